@@ -1,0 +1,16 @@
+//! Shapes: triangle meshes, oriented point clouds, and exact distances between them and points.
+//!
+//! Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
+//! bounding-box diagonal D happens at the door of the room that needs it. Normals of a solid point out of it; signed distances
+//! are positive outside.
+//!
+//! Notation: V vertices, T triangles, p a point, n a unit normal, b barycentric coordinates in a triangle (a, b, c).
+
+pub mod bounds;
+pub mod cloud;
+pub mod mesh;
+pub mod vec3;
+
+pub use bounds::Bounds;
+pub use cloud::{Cloud, Origin};
+pub use mesh::Mesh;

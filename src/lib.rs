@@ -1,0 +1,23 @@
+//! Keepout keeps shapes from running into each other inside gradient-based design optimisation.
+//!
+//! A shape is read ([`geometry`]), sampled into an oriented point cloud, and a smooth level-set function is fitted to it once
+//! ([`field`]); an optimiser then evaluates value, gradient and Hessian at any number of points, at a cost that does not depend
+//! on the shape. The method is that of Dunn et al., "Scalable enforcement of geometric non-interference constraints for
+//! gradient-based optimization" (2023), called *paper 000* in this crate; where we depart from it, the room's page says why.
+//!
+//! | room | takes | gives |
+//! |---|---|---|
+//! | [`geometry`] | files, arrays | meshes, reports, oriented clouds, exact signed distances |
+//! | [`spline`] | a box and a resolution | uniform cubic B-spline bases, exact Gram matrices, the evaluation kernel |
+//! | [`linalg`] | operators | solutions by preconditioned conjugate gradients |
+//! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
+//! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
+//!
+//! Data flows one way, top to bottom. No room but `ffi` knows that C exists.
+
+pub mod error;
+pub mod geometry;
+pub mod par;
+pub mod progress;
+
+pub use error::{Error, Result};

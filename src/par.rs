@@ -1,0 +1,65 @@
+//! Threads for one call, on a pool of the call's own.
+//!
+//! Work is cut into items whose number and bounds do not depend on the number of threads, and sums are taken over the items in
+//! order, so a result has the same bits on one thread and on many.
+
+use crate::{Error, Result};
+use rayon::prelude::*;
+
+/// Prefix of the names of the pool's threads.
+pub const THREAD_NAME: &str = "keepout";
+
+/// The threads of one call. Dropping it joins them.
+pub struct Workers {
+    pool: Option<rayon::ThreadPool>,
+}
+
+impl Workers {
+    /// `n_threads` threads: 0 for all cores, 1 for none but the caller's.
+    pub fn new(n_threads: u32) -> Result<Self> {
+        let n_threads = match n_threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            n => n as usize,
+        };
+        if n_threads == 1 {
+            return Ok(Workers::caller_only());
+        }
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(n_threads)
+            .thread_name(|i| format!("{THREAD_NAME}-{i}"))
+            .build()
+            .map(|pool| Workers { pool: Some(pool) })
+            .map_err(|e| {
+                Error::InvalidArgument(format!("n_threads = {n_threads}: the threads could not be started: {e}"))
+            })
+    }
+
+    /// No thread but the caller's.
+    pub fn caller_only() -> Self {
+        Workers { pool: None }
+    }
+
+    /// Threads that work at once.
+    pub fn n_threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+    }
+
+    /// Runs `work` on every item, in any order.
+    pub fn for_each<T: Send>(&self, items: impl IntoIterator<Item = T>, work: impl Fn(T) + Send + Sync) {
+        match &self.pool {
+            None => items.into_iter().for_each(work),
+            Some(pool) => {
+                let items: Vec<T> = items.into_iter().collect();
+                pool.install(|| items.into_par_iter().for_each(work));
+            }
+        }
+    }
+
+    /// The results of `work` on the items 0..n, in that order.
+    pub fn map<R: Send>(&self, n: usize, work: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+        match &self.pool {
+            None => (0..n).map(work).collect(),
+            Some(pool) => pool.install(|| (0..n).into_par_iter().map(work).collect()),
+        }
+    }
+}
