@@ -25,9 +25,11 @@ impl<'a> Progress<'a> {
 
     /// Tells `fraction` done in `stage`; [`Error::Cancelled`] when the listener asks to stop.
     pub fn tell(&mut self, fraction: f64, stage: &str) -> Result<()> {
-        match &mut self.listener {
-            Some(listener) if listener(fraction.clamp(0.0, 1.0), stage).is_break() => Err(Error::Cancelled),
-            _ => Ok(()),
+        if let Some(listener) = &mut self.listener
+            && listener(fraction.clamp(0.0, 1.0), stage).is_break()
+        {
+            return Err(Error::Cancelled);
         }
+        Ok(())
     }
 }
