@@ -16,8 +16,11 @@
 //! Data flows one way, top to bottom. No room but `ffi` knows that C exists.
 
 pub mod error;
+pub mod field;
 pub mod geometry;
+pub mod linalg;
 pub mod par;
 pub mod progress;
+pub mod spline;
 
 pub use error::{Error, Result};

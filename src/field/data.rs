@@ -1,0 +1,151 @@
+//! The data terms of the energy, paper 000 (6): values and gradients at the points of the cloud.
+//!
+//! Neither matrix nor stencil is stored: a point keeps its coordinates in cells, and its 64 weights are made again where they are needed.
+
+use crate::error::{try_vec, try_with_capacity};
+use crate::geometry::Cloud;
+use crate::geometry::vec3::Vec3;
+use crate::par::Workers;
+use crate::spline::Grid;
+use crate::spline::basis::Weights;
+use crate::{Error, Result};
+use std::ops::Range;
+
+/// Cells along x of a slab. The points of a slab touch its planes of control points and the three behind, so slabs of at least three
+/// cells, every other one at a time, write to different planes and need no lock.
+const SLAB: usize = 4;
+
+/// Points in cells of a grid, sorted by cell, with their masses, which sum to 1.
+pub struct Data {
+    /// [N x 3], in cells.
+    xi: Vec<Vec3>,
+    /// [N]
+    mass: Vec<f64>,
+}
+
+impl Data {
+    /// The points of `cloud` in the cells of `grid`, all of one mass, and the cloud's indices in the order that they now have.
+    pub fn new(cloud: &Cloud, grid: &Grid) -> Result<(Self, Vec<u32>)> {
+        let n = cloud.len();
+        if u32::try_from(n).is_err() {
+            return Err(Error::InvalidArgument(format!("the cloud has {n} points; at most {} are taken", u32::MAX)));
+        }
+        let to_cells = |p: &Vec3| std::array::from_fn(|a| (p[a] - grid.axes[a].lower) / grid.axes[a].cell);
+        let mut keys = try_vec(n, (0usize, 0u32), "the order of the points")?;
+        for (i, (key, p)) in keys.iter_mut().zip(cloud.points()).enumerate() {
+            *key = (grid.stencil(to_cells(p)).0.first, i as u32);
+        }
+        keys.sort_unstable();
+        let mut order = try_vec(n, 0, "the order of the points")?;
+        let mut xi = try_vec(n, [0.0; 3], "the points")?;
+        for ((key, slot), place) in keys.iter().zip(&mut xi).zip(&mut order) {
+            *slot = to_cells(&cloud.points()[key.1 as usize]);
+            *place = key.1;
+        }
+        Ok((Data { xi, mass: try_vec(n, 1.0 / n as f64, "the masses of the points")? }, order))
+    }
+
+    /// The points of each cell of `grid` merged into one at their centre of mass, in cells twice as long.
+    fn merged(&self, grid: &Grid) -> Result<Self> {
+        let n = self.xi.len();
+        let (mut xi, mut mass) = (try_with_capacity(n, "merged points")?, try_with_capacity(n, "merged points")?);
+        let cell = |xi: &Vec3| grid.stencil(*xi).0.first;
+        let mut start = 0;
+        while start < n {
+            let home = cell(&self.xi[start]);
+            let len = self.xi[start..].iter().take_while(|xi| cell(xi) == home).count();
+            let members = start..start + len;
+            let total: f64 = self.mass[members.clone()].iter().sum();
+            let mean = |a: usize| members.clone().map(|p| self.mass[p] * self.xi[p][a]).sum::<f64>() / total;
+            xi.push(std::array::from_fn(|a| 0.5 * mean(a)));
+            mass.push(total);
+            start += len;
+        }
+        Ok(Data { xi, mass })
+    }
+}
+
+/// Energy of the values and gradients at the points: sum of mass (phi^2 + lambda_n |grad phi|^2).
+pub struct DataTerm {
+    data: Data,
+    /// In units of D.
+    grid: Grid,
+    normal_weight: f64,
+    /// 1 / h_a: what turns a derivative along a cell into one along x.
+    per_cell: [f64; 3],
+    slabs: Vec<Range<usize>>,
+}
+
+impl DataTerm {
+    /// The term for `data` in the cells of `grid`, which is in units of D.
+    pub fn new(data: Data, grid: Grid, normal_weight: f64) -> Self {
+        let per_cell = grid.axes.map(|a| 1.0 / a.cell);
+        let below = |cell: usize| data.xi.partition_point(|xi| grid.axes[0].locate(xi[0]).0 < cell);
+        let n_slabs = grid.axes[0].n_cells.div_ceil(SLAB);
+        let slabs = (0..n_slabs).map(|s| below(s * SLAB)..below((s + 1) * SLAB)).collect();
+        DataTerm { data, grid, normal_weight, per_cell, slabs }
+    }
+
+    /// The term on `coarse`, the grid with cells twice as long, for the points merged cell by cell.
+    pub fn coarser(&self, coarse: Grid) -> Result<Self> {
+        Ok(DataTerm::new(self.data.merged(&self.grid)?, coarse, self.normal_weight))
+    }
+
+    /// y += (the term's matrix) x
+    pub fn apply(&self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        self.by_slab(workers, y, |p, y, first_plane| {
+            let (stencil, u) = self.grid.stencil(self.data.xi[p]);
+            let b = u.map(Weights::at);
+            let (value, gradient) = stencil.value_gradient(x, &b);
+            let (mass, pull) = (self.data.mass[p], self.pull(p));
+            let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a] * gradient[a]);
+            stencil.shifted(first_plane).scatter(y, &b, mass * value, gradient);
+        });
+    }
+
+    /// y += the right-hand side that asks for the gradient `sign` n at each point; the points are those of `normals` [N x 3] in `order`.
+    pub fn add_right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64, y: &mut [f64]) {
+        self.by_slab(workers, y, |p, y, first_plane| {
+            let (stencil, u) = self.grid.stencil(self.data.xi[p]);
+            let pull = self.pull(p);
+            let gradient = std::array::from_fn(|a| pull[a] * sign * normals[order[p] as usize][a]);
+            stencil.shifted(first_plane).scatter(y, &u.map(Weights::at), 0.0, gradient);
+        });
+    }
+
+    /// y += the diagonal of the term's matrix.
+    pub fn add_diagonal(&self, workers: &Workers, y: &mut [f64]) {
+        self.by_slab(workers, y, |p, y, first_plane| {
+            let (stencil, u) = self.grid.stencil(self.data.xi[p]);
+            // The squares of the weights of a tensor product are the tensor product of the squares.
+            let squares = u.map(|u| {
+                let Weights { w, dw } = Weights::at(u);
+                Weights { w: w.map(|w| w * w), dw: dw.map(|d| d * d) }
+            });
+            let pull = self.pull(p);
+            let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a]);
+            stencil.shifted(first_plane).scatter(y, &squares, self.data.mass[p], gradient);
+        });
+    }
+
+    /// mass lambda_n / h_a of point `p`.
+    fn pull(&self, p: usize) -> Vec3 {
+        self.per_cell.map(|c| self.normal_weight * self.data.mass[p] * c)
+    }
+
+    /// Calls `work(point, planes of y, index of the first of these planes)` for each point; the order of the sums into an entry of y
+    /// does not depend on the threads.
+    fn by_slab(&self, workers: &Workers, y: &mut [f64], work: impl Fn(usize, &mut [f64], usize) + Send + Sync) {
+        let [_, ny, nz] = self.grid.shape();
+        let plane = ny * nz;
+        for parity in 0..2 {
+            let Some(planes) = y.get_mut(parity * SLAB * plane..) else { break };
+            let slabs = self.slabs.iter().enumerate().skip(parity).step_by(2);
+            workers.for_each(slabs.zip(planes.chunks_mut(2 * SLAB * plane)), |((s, points), y)| {
+                for p in points.clone() {
+                    work(p, y, s * SLAB);
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The box of a field and its cells: steps 2 and 3 of paper 000's Algorithm 1.
+
+use crate::geometry::Bounds;
+use crate::spline::{Axis, Grid};
+use crate::{Error, Result};
+
+/// An axis thinner than this fraction of D is widened to it before the margin is added, so that a flat cloud has a box.
+const THINNEST: f64 = 0.05;
+
+/// Diagonals that leave room for squares and cubes of lengths in a double.
+const DIAGONALS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
+
+/// D of a cloud, checked to be a usable unit of length.
+pub fn diagonal(bounds: &Bounds) -> Result<f64> {
+    let d = bounds.diagonal();
+    if d == 0.0 {
+        let [x, y, z] = bounds.min;
+        return Err(Error::Degenerate(format!(
+            "all points are at ({x}, {y}, {z}); points that are apart are needed to give the field a scale"
+        )));
+    }
+    if !DIAGONALS.contains(&d) {
+        return Err(Error::InvalidArgument(format!(
+            "the points' bounding box has a diagonal of {d:e}; it must lie in [1e-90, 1e90]: choose another unit"
+        )));
+    }
+    Ok(d)
+}
+
+/// The grid for points within `bounds`, in the caller's units. Counts of 0 in `control_points` are chosen so that cells are close to cubes and
+/// at most `target` control points are used, unless the counts asked for leave no room for that.
+pub fn grid(bounds: &Bounds, margin: f64, control_points: [u32; 3], target: usize) -> Result<Grid> {
+    let d = diagonal(bounds)?;
+    let extents = bounds.extents().map(|e| e.max(THINNEST * d) * (1.0 + margin));
+    let center = bounds.center();
+    let n_cells = cells(extents, control_points, target);
+    let axes = std::array::from_fn(|a| Axis {
+        lower: center[a] - 0.5 * extents[a],
+        cell: extents[a] / n_cells[a] as f64,
+        n_cells: n_cells[a],
+    });
+    Ok(Grid { axes })
+}
+
+/// Cells along each axis: those asked for, else the finest near-cubes that keep within `target`.
+fn cells(extents: [f64; 3], control_points: [u32; 3], target: usize) -> [usize; 3] {
+    let at = |edge: f64| -> [usize; 3] {
+        std::array::from_fn(|a| match control_points[a] {
+            0 => ((extents[a] / edge).round() as usize).max(1),
+            n => n as usize - 3,
+        })
+    };
+    let fits = |edge: f64| at(edge).iter().map(|n| n + 3).product::<usize>() <= target;
+    // Bisection on the edge, in fractions of the longest extent: the counts fall as it grows.
+    let longest = extents.iter().fold(0.0, |m: f64, &e| m.max(e));
+    let (mut fine, mut coarse) = (longest / 1024.0, longest);
+    for _ in 0..60 {
+        let middle = 0.5 * (fine + coarse);
+        if fits(middle) { coarse = middle } else { fine = middle }
+    }
+    at(coarse)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bounds(extents: [f64; 3]) -> Bounds {
+        Bounds { min: [1.0, 2.0, 3.0], max: std::array::from_fn(|a| [1.0, 2.0, 3.0][a] + extents[a]) }
+    }
+
+    #[test]
+    fn chosen_counts_stay_within_the_target_with_near_cubic_cells() {
+        for extents in [[1.0, 1.0, 1.0], [0.156, 0.154, 0.121], [30.0, 6.0, 46.5], [1.0, 0.0, 0.0]] {
+            for target in [64, 1000, 24_800, 300_000] {
+                let grid = grid(&bounds(extents), 0.15, [0; 3], target).unwrap();
+                assert!(grid.n_control() <= target);
+                if target >= 24_800 {
+                    assert!(grid.n_control() as f64 > 0.85 * target as f64, "{} of {target}", grid.n_control());
+                    let shortest = grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
+                    assert!(grid.longest_cell() < 1.4 * shortest);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn counts_asked_for_are_honoured_and_the_others_follow() {
+        let all = grid(&bounds([1.0, 2.0, 3.0]), 0.15, [7, 4, 33], 1000).unwrap();
+        assert_eq!(all.shape(), [7, 4, 33]);
+        let one = grid(&bounds([1.0, 1.0, 1.0]), 0.15, [20, 0, 0], 8000).unwrap();
+        assert_eq!(one.shape()[0], 20);
+        assert!(one.n_control() <= 8000);
+    }
+
+    #[test]
+    fn the_box_is_the_margin_larger_and_centred_and_thin_axes_are_widened() {
+        let b = bounds([3.0, 4.0, 0.0]);
+        let grid = grid(&b, 0.15, [10; 3], 1000).unwrap();
+        for (a, extent) in [3.0 * 1.15, 4.0 * 1.15, 0.05 * 5.0 * 1.15].into_iter().enumerate() {
+            assert!((grid.axes[a].upper() - grid.axes[a].lower - extent).abs() < 1e-14);
+            assert!((0.5 * (grid.axes[a].upper() + grid.axes[a].lower) - b.center()[a]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_point_has_no_box() {
+        assert!(matches!(diagonal(&bounds([0.0; 3])), Err(Error::Degenerate(_))));
+        assert!(matches!(diagonal(&bounds([1e200, 0.0, 0.0])), Err(Error::InvalidArgument(_))));
+    }
+}

@@ -1,0 +1,88 @@
+//! The energy that a field minimises, paper 000 (10), as a quadratic form on the control points of one grid.
+//!
+//! f(c) = (1/N) sum phi(p)^2 + (lambda_n/N) sum |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV, all in units of D;
+//! s is +1 where the design may be outside and -1 where it may be inside. Half its gradient is A c - b.
+
+use super::data::{Data, DataTerm};
+use super::smoothness::Smoothness;
+use crate::Result;
+use crate::error::try_vec;
+use crate::geometry::vec3::Vec3;
+use crate::par::Workers;
+use crate::spline::{Axis, Grid, twoscale};
+
+/// Weights of the terms, dimensionless.
+#[derive(Debug, Clone, Copy)]
+pub struct EnergyWeights {
+    /// lambda_n
+    pub normal: f64,
+    /// lambda_r
+    pub smooth: f64,
+}
+
+/// The form on one grid.
+pub struct Energy {
+    /// In units of D.
+    grid: Grid,
+    /// Cells of the box along each axis: where a coarser grid's last cell reaches beyond the box, not a whole number.
+    extent: [f64; 3],
+    weights: EnergyWeights,
+    data: DataTerm,
+    smoothness: Smoothness,
+}
+
+impl Energy {
+    /// The form on `grid`, in units of D, for `data` in its cells.
+    pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Self {
+        let extent = grid.axes.map(|a| a.n_cells as f64);
+        let data = DataTerm::new(data, grid, weights.normal);
+        Energy { grid, extent, weights, data, smoothness: Smoothness::new(&grid, extent, weights.smooth) }
+    }
+
+    /// The form on cells twice as long over the same box. Splines there are splines here, so the regularisation is its Galerkin
+    /// product; the data terms are close to theirs, with the points of a cell merged into one.
+    pub fn coarser(&self) -> Result<Self> {
+        let axes =
+            self.grid.axes.map(|a| Axis { lower: 0.0, cell: 2.0 * a.cell, n_cells: twoscale::coarser(a.n_cells) });
+        let grid = Grid { axes };
+        let extent = self.extent.map(|e| 0.5 * e);
+        let smoothness = Smoothness::new(&grid, extent, self.weights.smooth);
+        Ok(Energy { grid, extent, weights: self.weights, data: self.data.coarser(grid)?, smoothness })
+    }
+
+    /// Cells along each axis.
+    pub fn n_cells(&self) -> [usize; 3] {
+        self.grid.axes.map(|a| a.n_cells)
+    }
+
+    /// Takes the memory that applying the form works in.
+    pub fn reserve(&mut self) -> Result<()> {
+        self.smoothness.reserve()
+    }
+
+    /// Control points along each axis.
+    pub fn shape(&self) -> [usize; 3] {
+        self.grid.shape()
+    }
+
+    /// b, for gradients `sign` n at the points; the points of the data are those of `normals` [N x 3] in `order`.
+    pub fn right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64) -> Result<Vec<f64>> {
+        let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
+        self.data.add_right_hand_side(workers, normals, order, sign, &mut b);
+        Ok(b)
+    }
+
+    /// The diagonal of A.
+    pub fn diagonal(&self, workers: &Workers) -> Result<Vec<f64>> {
+        let mut d = try_vec(self.grid.n_control(), 0.0, "the diagonal")?;
+        self.smoothness.add_diagonal(&mut d);
+        self.data.add_diagonal(workers, &mut d);
+        Ok(d)
+    }
+
+    /// y = A x
+    pub fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        self.smoothness.apply(workers, x, y);
+        self.data.apply(workers, x, y);
+    }
+}

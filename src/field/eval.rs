@@ -1,0 +1,194 @@
+//! Evaluation in batches: value, gradient and Hessian, each where wanted. Nothing here allocates or locks.
+
+use super::Field;
+use crate::geometry::vec3::Vec3;
+use crate::par::Workers;
+use crate::spline::basis::Weights;
+use crate::{Error, Result};
+
+/// Points checked, then evaluated, at a time; and the work of one item when threads share a batch.
+const BLOCK: usize = 256;
+
+/// Where the results of a batch go; `None` where one is not wanted.
+#[derive(Default)]
+pub struct Outputs<'a> {
+    /// phi [n], in the caller's unit of length.
+    pub values: Option<&'a mut [f64]>,
+    /// grad phi [n x 3], without unit.
+    pub gradients: Option<&'a mut [Vec3]>,
+    /// Hessian [n x 6], rows of the upper triangle xx xy xz yy yz zz, in 1 / the caller's unit of length.
+    pub hessians: Option<&'a mut [[f64; 6]]>,
+}
+
+impl<'a> Outputs<'a> {
+    /// The first `n` places, and the rest.
+    fn split(self, n: usize) -> (Outputs<'a>, Outputs<'a>) {
+        let (v, v_rest) = self.values.map(|s| s.split_at_mut(n)).unzip();
+        let (g, g_rest) = self.gradients.map(|s| s.split_at_mut(n)).unzip();
+        let (h, h_rest) = self.hessians.map(|s| s.split_at_mut(n)).unzip();
+        (
+            Outputs { values: v, gradients: g, hessians: h },
+            Outputs { values: v_rest, gradients: g_rest, hessians: h_rest },
+        )
+    }
+
+    fn check(&self, n: usize) -> Result<()> {
+        let lengths = [
+            ("values", self.values.as_ref().map(|v| v.len())),
+            ("gradients", self.gradients.as_ref().map(|g| g.len())),
+            ("hessians", self.hessians.as_ref().map(|h| h.len())),
+        ];
+        match lengths.iter().find(|(_, len)| len.is_some_and(|len| len != n)) {
+            None => Ok(()),
+            Some((name, len)) => Err(Error::InvalidArgument(format!(
+                "{name} has room for {} points; the batch has {n}",
+                len.unwrap_or(0)
+            ))),
+        }
+    }
+}
+
+impl Field {
+    /// Evaluates at `points` [n x 3], on the caller's thread. After an error the outputs are unspecified.
+    pub fn eval(&self, points: &[Vec3], outputs: Outputs) -> Result<()> {
+        outputs.check(points.len())?;
+        self.eval_from(0, points, outputs)
+    }
+
+    /// [`Field::eval`] with the batch spread over `workers`; the same bits.
+    pub fn eval_parallel(&self, points: &[Vec3], outputs: Outputs, workers: &Workers) -> Result<()> {
+        const ITEM: usize = 16 * BLOCK;
+        outputs.check(points.len())?;
+        let mut rest = outputs;
+        let mut items = Vec::with_capacity(points.len().div_ceil(ITEM));
+        for (i, points) in points.chunks(ITEM).enumerate() {
+            let (outputs, behind) = rest.split(points.len());
+            rest = behind;
+            items.push((i * ITEM, points, outputs));
+        }
+        let first_error = std::sync::Mutex::new(None::<(usize, Error)>);
+        workers.for_each(items, |(first, points, outputs)| {
+            if let Err(error) = self.eval_from(first, points, outputs) {
+                let mut slot = first_error.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                if slot.as_ref().is_none_or(|(at, _)| first < *at) {
+                    *slot = Some((first, error));
+                }
+            }
+        });
+        match first_error.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
+            Some((_, error)) => Err(error),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether each of `points` lies outside the box, where the field is continued: see [`beyond`](super::beyond).
+    pub fn outside_box(&self, points: &[Vec3], outside: &mut [u8]) -> Result<()> {
+        check_finite(0, points)?;
+        for (p, outside) in points.iter().zip(outside) {
+            *outside = u8::from(!self.in_box(self.to_cells(*p)));
+        }
+        Ok(())
+    }
+
+    /// Evaluates one part of a batch, the first point of which has index `first` in it.
+    fn eval_from(&self, first: usize, points: &[Vec3], outputs: Outputs) -> Result<()> {
+        let mut rest = outputs;
+        for (b, points) in points.chunks(BLOCK).enumerate() {
+            check_finite(first + b * BLOCK, points)?;
+            let (block, behind) = rest.split(points.len());
+            rest = behind;
+            match block {
+                Outputs { values, gradients, hessians: Some(hessians) } => {
+                    self.block_with_hessian(points, values, gradients, hessians);
+                }
+                Outputs { values, gradients: Some(gradients), hessians: None } => {
+                    self.block_with_gradient(points, values, gradients);
+                }
+                Outputs { values: Some(values), .. } => self.block_of_values(points, values),
+                Outputs { values: None, .. } => {}
+            }
+        }
+        Ok(())
+    }
+
+    fn block_of_values(&self, points: &[Vec3], values: &mut [f64]) {
+        for (p, value) in points.iter().zip(values) {
+            let xi = self.to_cells(*p);
+            *value = if self.in_box(xi) {
+                let (stencil, u) = self.grid.stencil(xi);
+                stencil.value(&self.coefficients, u)
+            } else {
+                self.beyond(xi).0
+            };
+        }
+    }
+
+    fn block_with_gradient(&self, points: &[Vec3], mut values: Option<&mut [f64]>, gradients: &mut [Vec3]) {
+        for (i, (p, gradient)) in points.iter().zip(gradients).enumerate() {
+            let xi = self.to_cells(*p);
+            let value;
+            (value, *gradient) = if self.in_box(xi) {
+                let (stencil, u) = self.grid.stencil(xi);
+                let (value, g) = stencil.value_gradient(&self.coefficients, &u.map(Weights::at));
+                (value, std::array::from_fn(|a| g[a] * self.per_cell[a]))
+            } else {
+                let (value, gradient, _) = self.beyond(xi);
+                (value, gradient)
+            };
+            if let Some(values) = &mut values {
+                values[i] = value;
+            }
+        }
+    }
+
+    fn block_with_hessian(
+        &self,
+        points: &[Vec3],
+        mut values: Option<&mut [f64]>,
+        mut gradients: Option<&mut [Vec3]>,
+        hessians: &mut [[f64; 6]],
+    ) {
+        let [x, y, z] = self.per_cell;
+        let squares = [x * x, x * y, x * z, y * y, y * z, z * z];
+        for (i, (p, hessian)) in points.iter().zip(hessians).enumerate() {
+            let xi = self.to_cells(*p);
+            let value;
+            let gradient: Vec3;
+            (value, gradient, *hessian) = if self.in_box(xi) {
+                let (stencil, u) = self.grid.stencil(xi);
+                let (value, g, h) = stencil.value_gradient_hessian(&self.coefficients, u);
+                (value, std::array::from_fn(|a| g[a] * self.per_cell[a]), std::array::from_fn(|p| h[p] * squares[p]))
+            } else {
+                self.beyond(xi)
+            };
+            if let Some(values) = &mut values {
+                values[i] = value;
+            }
+            if let Some(gradients) = &mut gradients {
+                gradients[i] = gradient;
+            }
+        }
+    }
+
+    /// Coordinates in cells.
+    #[inline]
+    fn to_cells(&self, p: Vec3) -> Vec3 {
+        std::array::from_fn(|a| (p[a] - self.grid.axes[a].lower) * self.per_cell[a])
+    }
+
+    #[inline]
+    fn in_box(&self, xi: Vec3) -> bool {
+        (0..3).all(|a| xi[a] >= 0.0 && xi[a] <= self.grid.axes[a].n_cells as f64)
+    }
+}
+
+/// Refuses points that are not finite, naming the first by its index in the batch.
+fn check_finite(first: usize, points: &[Vec3]) -> Result<()> {
+    match points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        None => Ok(()),
+        Some(i) => {
+            let [x, y, z] = points[i];
+            Err(Error::InvalidArgument(format!("point {} is ({x}, {y}, {z}); coordinates must be finite", first + i)))
+        }
+    }
+}

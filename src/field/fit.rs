@@ -1,0 +1,114 @@
+//! The fit: paper 000's Algorithm 1, steps 2 to 4.
+
+use super::data::Data;
+use super::energy::Energy;
+use super::multilevel::Multilevel;
+use super::{Field, FitOptions, FitReport, domain};
+use crate::Result;
+use crate::error::Error;
+use crate::geometry::Cloud;
+use crate::linalg::cg::{self, Stop};
+use crate::par::Workers;
+use crate::progress::Progress;
+use crate::spline::{Axis, Grid};
+use std::time::Instant;
+
+/// Control points chosen for `n_points` points when none are asked for.
+fn chosen_control_points(n_points: usize) -> usize {
+    n_points.clamp(4096, 262_144)
+}
+
+/// Bytes that the fit of `n_points` points with `n_unknowns` control points takes, its result included.
+pub fn memory(n_points: u128, n_unknowns: u128) -> u128 {
+    // A point: coordinates, normal and its place in the order. An unknown: the solution, five vectors of the solve, six of the regularisation,
+    // four and their coarser copies of the preconditioner.
+    n_points * (24 + 24 + 16) + n_unknowns * 8 * (1 + 1 + 5 + 6 + 5)
+}
+
+impl Field {
+    /// Fits a field to `cloud`: minimises the energy (10) over the control points.
+    pub fn fit(cloud: &Cloud, options: &FitOptions, progress: &mut Progress) -> Result<Field> {
+        options.validate()?;
+        let bounds = cloud.bounds();
+        let target = chosen_control_points(cloud.len());
+        let grid = domain::grid(&bounds, options.margin, options.control_points, target)?;
+        check_size(cloud.len(), &grid, options.memory_limit)?;
+        let d = bounds.diagonal();
+        let workers = Workers::new(options.n_threads)?;
+        let mut report = FitReport {
+            control_points: grid.shape().map(|n| n as u32),
+            n_points: cloud.len() as u64,
+            n_unknowns: grid.n_control() as u64,
+            ..FitReport::default()
+        };
+
+        let mut clock = Instant::now();
+        let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
+        progress.tell(0.0, "assembly")?;
+        let (data, order) = Data::new(cloud, &grid)?;
+        let energy = Energy::new(data, in_units_of(&grid, d), options.weights());
+        let b = energy.right_hand_side(&workers, cloud.normals(), &order, options.feasible.sign())?;
+        let mut system = Multilevel::new(energy, &workers)?;
+        report.seconds_assembly = lap();
+
+        let stop = Stop { tolerance: options.tolerance, max_iterations: options.max_iterations as usize };
+        let (mut coefficients, done) = cg::solve(&mut system, &b, stop, &workers, |_, residual| {
+            // The residual falls by about a factor an iteration, so its logarithm tells how far the solve is.
+            let fraction = (residual.ln() / options.tolerance.ln()).clamp(0.0, 1.0);
+            progress.tell(0.05 + 0.9 * fraction, "solve")
+        })?;
+        report.iterations = done.iterations as u32;
+        report.residual = done.residual;
+        report.seconds_solve = lap();
+
+        coefficients.iter_mut().for_each(|c| *c *= d);
+        let mut field = Field::new(grid, coefficients, options.feasible, d, report)?;
+        progress.tell(0.95, "check")?;
+        field.measure(cloud)?;
+        field.report.seconds_check = lap();
+        progress.tell(1.0, "done")?;
+        Ok(field)
+    }
+
+    /// Fills the report with the errors at the points of `cloud`.
+    fn measure(&mut self, cloud: &Cloud) -> Result<()> {
+        const BLOCK: usize = 256;
+        let (mut values, mut gradients) = ([0.0; BLOCK], [[0.0; 3]; BLOCK]);
+        let (mut squares, mut max, mut lengths) = (0.0, 0.0f64, 0.0);
+        for points in cloud.points().chunks(BLOCK) {
+            let n = points.len();
+            let outputs =
+                super::Outputs { values: Some(&mut values[..n]), gradients: Some(&mut gradients[..n]), hessians: None };
+            self.eval(points, outputs)?;
+            for (v, g) in values.iter().zip(&gradients).take(n) {
+                let v = v / self.diagonal;
+                squares += v * v;
+                max = max.max(v.abs());
+                lengths += crate::geometry::vec3::norm(*g);
+            }
+        }
+        let n = cloud.len() as f64;
+        (self.report.rms, self.report.max, self.report.mean_gradient) = ((squares / n).sqrt(), max, lengths / n);
+        Ok(())
+    }
+}
+
+/// The grid with its cells in units of D: what the energy sees.
+fn in_units_of(grid: &Grid, d: f64) -> Grid {
+    Grid { axes: grid.axes.map(|a| Axis { lower: 0.0, cell: a.cell / d, n_cells: a.n_cells }) }
+}
+
+/// Refuses a fit that would take more than `limit` bytes.
+fn check_size(n_points: usize, grid: &Grid, limit: u64) -> Result<()> {
+    let shape = grid.axes.map(|a| a.n_control() as u128);
+    let bytes = memory(n_points as u128, shape.iter().product());
+    if bytes <= u128::from(limit) {
+        return Ok(());
+    }
+    let [x, y, z] = shape;
+    Err(Error::OutOfMemory {
+        what: format!("a fit of {x} x {y} x {z} control points to {n_points} points"),
+        bytes,
+        limit: Some(u128::from(limit)),
+    })
+}

@@ -1,0 +1,98 @@
+//! What a fit can be asked for.
+
+use super::energy::EnergyWeights;
+use crate::{Error, Result};
+
+/// The side of the surface on which the design may be, where phi > 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Feasible {
+    /// The side that the normals point to: grad phi = +n on the surface.
+    Outside,
+    /// The other side: grad phi = -n on the surface, the sign of paper 000 (6).
+    Inside,
+}
+
+impl Feasible {
+    /// Sign of grad phi . n on the surface.
+    pub fn sign(self) -> f64 {
+        match self {
+            Feasible::Outside => 1.0,
+            Feasible::Inside => -1.0,
+        }
+    }
+}
+
+/// Options of [`Field::fit`](super::Field::fit). All weights are dimensionless, with lengths in units of the cloud's diagonal D.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FitOptions {
+    /// Control points along x, y, z, at least 4 each; 0 lets the fit choose: see [`domain`](super::domain).
+    pub control_points: [u32; 3],
+    /// How much longer than the cloud the box is along each axis: 0.15 makes it 1.15 times the extents, as in paper 000, section 3.5.
+    pub margin: f64,
+    /// lambda_n of (10).
+    pub normal_weight: f64,
+    /// lambda_r of (10).
+    pub smooth_weight: f64,
+    /// Side where phi > 0.
+    pub feasible: Feasible,
+    /// Relative residual of the solve to reach.
+    pub tolerance: f64,
+    /// Iterations after which not having reached it is an error.
+    pub max_iterations: u32,
+    /// Threads: 0 for all cores, 1 for none but the caller's.
+    pub n_threads: u32,
+    /// Bytes that the fit may take; more is refused beforehand.
+    pub memory_limit: u64,
+}
+
+impl Default for FitOptions {
+    /// The weights are the best of a sweep over several shapes: docs/weights.md.
+    fn default() -> Self {
+        FitOptions {
+            control_points: [0; 3],
+            margin: 0.15,
+            normal_weight: 1e-3,
+            smooth_weight: 1e-10,
+            feasible: Feasible::Outside,
+            tolerance: 1e-6,
+            max_iterations: 20_000,
+            n_threads: 0,
+            memory_limit: 8 << 30,
+        }
+    }
+}
+
+impl FitOptions {
+    /// The weights of the energy's terms.
+    pub(super) fn weights(&self) -> EnergyWeights {
+        EnergyWeights { normal: self.normal_weight, smooth: self.smooth_weight }
+    }
+
+    /// Checks every range.
+    pub fn validate(&self) -> Result<()> {
+        let wrong = |text: String| Err(Error::InvalidArgument(text));
+        for (axis, &n) in ["x", "y", "z"].iter().zip(&self.control_points) {
+            if n != 0 && n < 4 {
+                return wrong(format!(
+                    "control_points along {axis} is {n}; a cubic needs at least 4, and 0 lets the fit choose"
+                ));
+            }
+        }
+        let ranges = [
+            ("margin", self.margin, 0.0, 100.0),
+            ("lambda_normal", self.normal_weight, 1e-12, 1e12),
+            ("lambda_smooth", self.smooth_weight, 1e-20, 1e12),
+            ("tolerance", self.tolerance, 1e-15, 0.5),
+        ];
+        for (name, value, low, high) in ranges {
+            // A NaN is in no range.
+            if !(low..=high).contains(&value) {
+                return wrong(format!("{name} is {value}; it must lie in [{low:e}, {high:e}]"));
+            }
+        }
+        if self.max_iterations == 0 {
+            return wrong("max_iterations is 0; at least 1 is needed".into());
+        }
+        Ok(())
+    }
+}

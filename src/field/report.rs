@@ -1,0 +1,28 @@
+//! What a fit did.
+
+/// Figures of a fit; lengths are fractions of D.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FitReport {
+    /// Control points along x, y, z.
+    pub control_points: [u32; 3],
+    /// Points of the cloud.
+    pub n_points: u64,
+    /// Unknowns of the solve: control points in all.
+    pub n_unknowns: u64,
+    /// Iterations of conjugate gradients.
+    pub iterations: u32,
+    /// Relative residual reached.
+    pub residual: f64,
+    /// Seconds to sort the points, build the preconditioner and the right-hand side.
+    pub seconds_assembly: f64,
+    /// Seconds of the solve.
+    pub seconds_solve: f64,
+    /// Seconds to measure the figures below.
+    pub seconds_check: f64,
+    /// Root mean square of phi at the points of the cloud.
+    pub rms: f64,
+    /// Largest |phi| at the points of the cloud.
+    pub max: f64,
+    /// Mean of |grad phi| at the points of the cloud: 1 for a distance.
+    pub mean_gradient: f64,
+}

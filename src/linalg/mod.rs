@@ -1,0 +1,6 @@
+//! Linear algebra: solving A x = b for symmetric positive definite operators that need not be matrices.
+//!
+//! Takes operators that can be applied to a vector; gives solutions with the residual that was reached, measured and not inferred.
+
+pub mod cg;
+pub mod vector;
