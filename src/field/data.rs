@@ -4,7 +4,7 @@
 
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec3::{Vec3, norm};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::basis::Weights;
@@ -15,12 +15,20 @@ use std::ops::Range;
 /// cells, every other one at a time, write to different planes and need no lock.
 const SLAB: usize = 4;
 
-/// Points in cells of a grid, sorted by cell, with their masses, which sum to 1.
+/// Points in cells of a grid, sorted by cell.
 pub struct Data {
     /// [N x 3], in cells.
     xi: Vec<Vec3>,
-    /// [N]
-    mass: Vec<f64>,
+    mass: Vec<Mass>,
+}
+
+/// What a point counts for: 1 / N unless reweighted or merged.
+#[derive(Debug, Clone, Copy)]
+struct Mass {
+    /// In the sum of values.
+    value: f64,
+    /// In the sum of gradients.
+    gradient: f64,
 }
 
 impl Data {
@@ -42,7 +50,13 @@ impl Data {
             *slot = to_cells(&cloud.points()[key.1 as usize]);
             *place = key.1;
         }
-        Ok((Data { xi, mass: try_vec(n, 1.0 / n as f64, "the masses of the points")? }, order))
+        Ok((
+            Data {
+                xi,
+                mass: try_vec(n, Mass { value: 1.0 / n as f64, gradient: 1.0 / n as f64 }, "the masses of the points")?,
+            },
+            order,
+        ))
     }
 
     /// The points of each cell of `grid` merged into one at their centre of mass, in cells twice as long.
@@ -55,17 +69,18 @@ impl Data {
             let home = cell(&self.xi[start]);
             let len = self.xi[start..].iter().take_while(|xi| cell(xi) == home).count();
             let members = start..start + len;
-            let total: f64 = self.mass[members.clone()].iter().sum();
-            let mean = |a: usize| members.clone().map(|p| self.mass[p] * self.xi[p][a]).sum::<f64>() / total;
+            let value = members.clone().map(|p| self.mass[p].value).sum();
+            let gradient = members.clone().map(|p| self.mass[p].gradient).sum();
+            let mean = |a: usize| members.clone().map(|p| self.mass[p].value * self.xi[p][a]).sum::<f64>() / value;
             xi.push(std::array::from_fn(|a| 0.5 * mean(a)));
-            mass.push(total);
+            mass.push(Mass { value, gradient });
             start += len;
         }
         Ok(Data { xi, mass })
     }
 }
 
-/// Energy of the values and gradients at the points: sum of mass (phi^2 + lambda_n |grad phi|^2).
+/// Energy of the values and gradients at the points: sum of m_v phi^2 + lambda_n m_g |grad phi|^2.
 pub struct DataTerm {
     data: Data,
     /// In units of D.
@@ -97,7 +112,7 @@ impl DataTerm {
             let (stencil, u) = self.grid.stencil(self.data.xi[p]);
             let b = u.map(Weights::at);
             let (value, gradient) = stencil.value_gradient(x, &b);
-            let (mass, pull) = (self.data.mass[p], self.pull(p));
+            let (mass, pull) = (self.data.mass[p].value, self.pull(p));
             let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a] * gradient[a]);
             stencil.shifted(first_plane).scatter(y, &b, mass * value, gradient);
         });
@@ -124,13 +139,38 @@ impl DataTerm {
             });
             let pull = self.pull(p);
             let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a]);
-            stencil.shifted(first_plane).scatter(y, &squares, self.data.mass[p], gradient);
+            stencil.shifted(first_plane).scatter(y, &squares, self.data.mass[p].value, gradient);
         });
+    }
+
+    /// Points.
+    pub fn n_points(&self) -> usize {
+        self.data.xi.len()
+    }
+
+    /// First-order distance |phi| / |grad phi| of each point to the surface phi = 0, in units of D; `x` are control points.
+    ///
+    /// Where phi is nearly flat the quotient means nothing: `flattest` bounds |grad phi| from below.
+    pub fn distances(&self, workers: &Workers, x: &[f64], flattest: f64, distances: &mut [f64]) {
+        const CHUNK: usize = 1024;
+        workers.for_each(self.data.xi.chunks(CHUNK).zip(distances.chunks_mut(CHUNK)), |(xi, distances)| {
+            for (xi, distance) in xi.iter().zip(distances) {
+                let (stencil, u) = self.grid.stencil(*xi);
+                let (value, g) = stencil.value_gradient(x, &u.map(Weights::at));
+                let slope = norm(std::array::from_fn(|a| self.per_cell[a] * g[a]));
+                *distance = value.abs() / slope.max(flattest);
+            }
+        });
+    }
+
+    /// Multiplies what the value of each point counts for by a factor of its own.
+    pub fn reweight(&mut self, factors: &[f64]) {
+        self.data.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
     }
 
     /// mass lambda_n / h_a of point `p`.
     fn pull(&self, p: usize) -> Vec3 {
-        self.per_cell.map(|c| self.normal_weight * self.data.mass[p] * c)
+        self.per_cell.map(|c| self.normal_weight * self.data.mass[p].gradient * c)
     }
 
     /// Calls `work(point, planes of y, index of the first of these planes)` for each point; the order of the sums into an entry of y

@@ -65,6 +65,21 @@ impl Energy {
         self.grid.shape()
     }
 
+    /// Points of the data.
+    pub fn n_points(&self) -> usize {
+        self.data.n_points()
+    }
+
+    /// First-order distances of the points to the surface: see [`DataTerm::distances`].
+    pub fn distances(&self, workers: &Workers, x: &[f64], flattest: f64, distances: &mut [f64]) {
+        self.data.distances(workers, x, flattest, distances);
+    }
+
+    /// Multiplies what the value of each point counts for by a factor of its own.
+    pub fn reweight(&mut self, factors: &[f64]) {
+        self.data.reweight(factors);
+    }
+
     /// b, for gradients `sign` n at the points; the points of the data are those of `normals` [N x 3] in `order`.
     pub fn right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;

@@ -3,9 +3,9 @@
 use super::data::Data;
 use super::energy::Energy;
 use super::multilevel::Multilevel;
-use super::{Field, FitOptions, FitReport, domain};
+use super::{Field, FitOptions, FitReport, domain, reweight};
 use crate::Result;
-use crate::error::Error;
+use crate::error::{Error, try_vec};
 use crate::geometry::Cloud;
 use crate::linalg::cg::{self, Stop};
 use crate::par::Workers;
@@ -51,19 +51,31 @@ impl Field {
         let mut system = Multilevel::new(energy, &workers)?;
         report.seconds_assembly = lap();
 
-        let stop = Stop { tolerance: options.tolerance, max_iterations: options.max_iterations as usize };
-        let (mut coefficients, done) = cg::solve(&mut system, &b, stop, &workers, |_, residual| {
-            // The residual falls by about a factor an iteration, so its logarithm tells how far the solve is.
-            let fraction = (residual.ln() / options.tolerance.ln()).clamp(0.0, 1.0);
-            progress.tell(0.05 + 0.9 * fraction, "solve")
-        })?;
-        report.iterations = done.iterations as u32;
-        report.residual = done.residual;
+        let mut x = try_vec(b.len(), 0.0, "the control points")?;
+        for round in 0..=options.reweightings {
+            let last = round == options.reweightings;
+            if round > 0 {
+                system = reweighted(system, &x, &workers)?;
+            }
+            let tolerance = if last { options.tolerance } else { options.tolerance.max(reweight::ROUGH_TOLERANCE) };
+            let max_iterations = options.max_iterations - report.iterations;
+            let stop = Stop { tolerance, max_iterations: max_iterations as usize };
+            let (solution, done) = cg::solve(&mut system, &b, x, stop, &workers, |_, residual| {
+                // The residual falls by about a factor an iteration, so its logarithm tells how far a solve is.
+                let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
+                let fraction = (f64::from(round) + solved) / f64::from(options.reweightings + 1);
+                progress.tell(0.02 + 0.96 * fraction, "solve")
+            })?;
+            x = solution;
+            report.iterations += done.iterations as u32;
+            report.residual = done.residual;
+        }
         report.seconds_solve = lap();
 
+        let mut coefficients = x;
         coefficients.iter_mut().for_each(|c| *c *= d);
         let mut field = Field::new(grid, coefficients, options.feasible, d, report)?;
-        progress.tell(0.95, "check")?;
+        progress.tell(0.98, "check")?;
         field.measure(cloud)?;
         field.report.seconds_check = lap();
         progress.tell(1.0, "done")?;
@@ -91,6 +103,16 @@ impl Field {
         (self.report.rms, self.report.max, self.report.mean_gradient) = ((squares / n).sqrt(), max, lengths / n);
         Ok(())
     }
+}
+
+/// The system with the points that the surface of `x` misses weighted more.
+fn reweighted(system: Multilevel, x: &[f64], workers: &Workers) -> Result<Multilevel> {
+    let mut energy = system.into_energy();
+    let mut factors = try_vec(energy.n_points(), 0.0, "the weights of the points")?;
+    energy.distances(workers, x, reweight::FLATTEST, &mut factors);
+    reweight::factors(&mut factors);
+    energy.reweight(&factors);
+    Multilevel::new(energy, workers)
 }
 
 /// The grid with its cells in units of D: what the energy sees.

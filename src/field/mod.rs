@@ -19,6 +19,7 @@
 //! - Weights are dimensionless, so that units do not change the field. The paper's values taken as dimensionless give errors ten times as
 //!   large as ours: docs/weights.md.
 //! - Normals point to the feasible side or away from it as [`Feasible`] says; the paper's (6) takes them into the infeasible side.
+//! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`].
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations.
 //! - Outside the box, where the paper's field ends, it is continued: [`beyond`].
 
@@ -31,6 +32,7 @@ pub mod fit;
 mod multilevel;
 mod options;
 mod report;
+pub mod reweight;
 pub mod smoothness;
 
 use crate::Result;

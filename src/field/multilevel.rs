@@ -59,6 +59,11 @@ impl Multilevel {
         }
         Ok(Multilevel { energy, levels, scratch })
     }
+
+    /// The energy whose minimum solves the system.
+    pub fn into_energy(self) -> Energy {
+        self.energy
+    }
 }
 
 impl System for Multilevel {

@@ -33,6 +33,9 @@ pub struct FitOptions {
     pub normal_weight: f64,
     /// lambda_r of (10).
     pub smooth_weight: f64,
+    /// Rounds in which points that the surface misses are weighted more, against the largest error: see [`reweight`](super::reweight).
+    /// 0 is the paper's fit.
+    pub reweightings: u32,
     /// Side where phi > 0.
     pub feasible: Feasible,
     /// Relative residual of the solve to reach.
@@ -53,6 +56,7 @@ impl Default for FitOptions {
             margin: 0.15,
             normal_weight: 1e-3,
             smooth_weight: 1e-10,
+            reweightings: 3,
             feasible: Feasible::Outside,
             tolerance: 1e-6,
             max_iterations: 20_000,

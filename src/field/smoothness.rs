@@ -33,8 +33,8 @@ impl Smoothness {
 
     /// Takes the memory that [`Smoothness::apply`] works in.
     pub fn reserve(&mut self) -> Result<()> {
-        let n = self.shape.iter().product();
-        for tensor in &mut self.scratch {
+        let n: usize = self.shape.iter().product();
+        for tensor in self.scratch.iter_mut().filter(|tensor| tensor.len() != n) {
             *tensor = try_vec(n, 0.0, "the work space of the regularisation")?;
         }
         Ok(())

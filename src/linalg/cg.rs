@@ -34,29 +34,42 @@ pub struct Convergence {
     pub residual: f64,
 }
 
-/// Solves A x = b from x = 0; `observe(iterations, residual)` is called once an iteration and may stop the solve with its error.
+/// Solves A x = b from the `x` given; `observe(iterations, residual)` is called once an iteration and may stop the solve with its error.
 ///
 /// The residual that the recurrence carries drifts from b - A x by rounding. It decides when to look; the true one decides whether the
 /// solve is done, and restarts the recurrence where it is not.
 pub fn solve(
     system: &mut impl System,
     b: &[f64],
+    mut x: Vec<f64>,
     stop: Stop,
     workers: &Workers,
     mut observe: impl FnMut(usize, f64) -> Result<()>,
 ) -> Result<(Vec<f64>, Convergence)> {
     let n = b.len();
     let vector = || try_vec(n, 0.0, "a vector of the solve");
-    let (mut x, mut r, mut z, mut p, mut ap) = (vector()?, vector()?, vector()?, vector()?, vector()?);
+    let (mut r, mut z, mut p, mut ap) = (vector()?, vector()?, vector()?, vector()?);
     let b_norm = norm(workers, b);
     let mut done = Convergence { iterations: 0, residual: 0.0 };
     if b_norm == 0.0 {
+        x.fill(0.0);
         return Ok((x, done));
     }
-    r.copy_from_slice(b);
     loop {
+        system.apply(workers, &x, &mut ap);
+        r.copy_from_slice(b);
+        update(workers, &mut r, &ap, |ap, r| r - ap);
+        done.residual = norm(workers, &r) / b_norm;
+        if done.residual <= stop.tolerance {
+            return Ok((x, done));
+        }
+        if done.iterations >= stop.max_iterations || !done.residual.is_finite() {
+            let Convergence { iterations, residual } = done;
+            return Err(Error::NotConverged { iterations, residual, tolerance: stop.tolerance });
+        }
         let mut rho = f64::INFINITY;
-        loop {
+        // Written so that a NaN ends the loop too.
+        while done.residual > stop.tolerance && done.iterations < stop.max_iterations {
             system.precondition(workers, &r, &mut z);
             let rho_next = dot(workers, &r, &z);
             let beta = rho_next / rho;
@@ -69,22 +82,6 @@ pub fn solve(
             done.iterations += 1;
             done.residual = norm(workers, &r) / b_norm;
             observe(done.iterations, done.residual)?;
-            // Written so that a NaN ends the loop too.
-            let reducing = done.residual > stop.tolerance;
-            if !reducing || done.iterations >= stop.max_iterations {
-                break;
-            }
-        }
-        system.apply(workers, &x, &mut ap);
-        r.copy_from_slice(b);
-        update(workers, &mut r, &ap, |ap, r| r - ap);
-        done.residual = norm(workers, &r) / b_norm;
-        if done.residual <= stop.tolerance {
-            return Ok((x, done));
-        }
-        if done.iterations >= stop.max_iterations || !done.residual.is_finite() {
-            let Convergence { iterations, residual } = done;
-            return Err(Error::NotConverged { iterations, residual, tolerance: stop.tolerance });
         }
     }
 }
@@ -112,7 +109,7 @@ mod tests {
 
     fn run(b: &[f64], tolerance: f64, max_iterations: usize, n_threads: u32) -> Result<(Vec<f64>, Convergence)> {
         let workers = Workers::new(n_threads).unwrap();
-        solve(&mut Laplacian, b, Stop { tolerance, max_iterations }, &workers, |_, _| Ok(()))
+        solve(&mut Laplacian, b, vec![0.0; b.len()], Stop { tolerance, max_iterations }, &workers, |_, _| Ok(()))
     }
 
     #[test]
