@@ -12,10 +12,12 @@ pub mod bounds;
 pub mod cloud;
 mod edges;
 pub mod mesh;
+pub mod read;
 pub mod report;
 pub mod vec3;
 
 pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
 pub use mesh::Mesh;
+pub use read::read;
 pub use report::MeshReport;
