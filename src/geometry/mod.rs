@@ -6,11 +6,18 @@
 //!
 //! Notation: V vertices, T triangles, p a point, n a unit normal, b barycentric coordinates in a triangle (a, b, c).
 
+#![forbid(unsafe_code)]
+
 pub mod bounds;
 pub mod cloud;
+mod edges;
 pub mod mesh;
+pub mod read;
+pub mod report;
 pub mod vec3;
 
 pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
 pub use mesh::Mesh;
+pub use read::read;
+pub use report::MeshReport;
