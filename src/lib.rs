@@ -16,6 +16,7 @@
 //! Data flows one way, top to bottom. No room but `ffi` knows that C exists.
 
 pub mod error;
+pub mod ffi;
 pub mod field;
 pub mod geometry;
 pub mod linalg;

@@ -28,6 +28,7 @@ pub mod data;
 pub mod domain;
 pub mod energy;
 pub mod eval;
+pub mod file;
 pub mod fit;
 mod multilevel;
 mod options;

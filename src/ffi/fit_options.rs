@@ -1,0 +1,132 @@
+//! `ko_fit_options`.
+
+use super::guard::guard;
+use super::pointer::{Sized_, read_sized, write_sized};
+use crate::field::{Feasible, FitOptions};
+use crate::{Error, Result};
+use std::ffi::{c_char, c_void};
+
+/// phi > 0 on the side that the normals point to: outside a solid. grad phi = +n on the surface.
+pub const KO_FEASIBLE_OUTSIDE: i32 = 0;
+/// phi > 0 on the other side: inside a solid. grad phi = -n on the surface.
+pub const KO_FEASIBLE_INSIDE: i32 = 1;
+
+/// Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0 cancels.
+/// It must not unwind, throw or jump out.
+#[allow(non_camel_case_types)]
+pub type ko_progress = Option<unsafe extern "C" fn(fraction: f64, stage: *const c_char, data: *mut c_void) -> i32>;
+
+/// Options of `ko_field_fit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit: lengths are taken in
+/// units of D, the diagonal of the cloud's bounding box.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_fit_options {
+    /// sizeof(ko_fit_options), set by ko_fit_options_init.
+    pub struct_size: usize,
+    /// Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose.
+    pub control_points: [u32; 3],
+    /// Rounds in which points that the surface misses are weighted more, against the largest error. 0: the paper's fit. Default 3.
+    pub reweightings: u32,
+    /// How much longer than the cloud the box is along each axis. Default 0.15: 1.15 times the extents.
+    pub margin: f64,
+    /// lambda_n of (10): weight of the normals. Default 1e-3.
+    pub lambda_normal: f64,
+    /// lambda_r of (10): weight of the smoothness. Default 1e-11.
+    pub lambda_smooth: f64,
+    /// Relative residual of the solve to reach. Default 1e-4.
+    pub tolerance: f64,
+    /// KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where phi > 0.
+    pub feasible: i32,
+    /// Iterations in all after which not having reached the tolerance is KO_ERR_NOT_CONVERGED. Default 20000.
+    pub max_iterations: u32,
+    /// Bytes that the fit may take; a larger one is refused before any is taken. Default 8 GiB.
+    pub memory_limit: u64,
+    /// Threads: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+    pub n_threads: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// Told of progress, or NULL (default).
+    pub progress: ko_progress,
+    /// Handed to `progress`.
+    pub progress_data: *mut c_void,
+}
+
+// SAFETY: repr(C), starts with a usize, and no padding, by the order of its fields (checked below). Every pattern of bits is a value:
+// `progress` may be any address, as in C, and is only ever called as the caller promised.
+unsafe impl Sized_ for ko_fit_options {}
+
+const _: () = assert!(size_of::<ko_fit_options>() == 2 * size_of::<usize>() + 80 + size_of::<ko_progress>());
+
+/// Fills `options` with the defaults. `struct_size` is sizeof *options.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_fit_options_init(options: *mut ko_fit_options, struct_size: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a struct of this size.
+        unsafe { write_sized(options, struct_size, ko_fit_options::defaults(), "options") }
+    })
+}
+
+impl ko_fit_options {
+    fn defaults() -> Self {
+        let d = FitOptions::default();
+        ko_fit_options {
+            struct_size: size_of::<ko_fit_options>(),
+            control_points: d.control_points,
+            reweightings: d.reweightings,
+            margin: d.margin,
+            lambda_normal: d.normal_weight,
+            lambda_smooth: d.smooth_weight,
+            tolerance: d.tolerance,
+            feasible: KO_FEASIBLE_OUTSIDE,
+            max_iterations: d.max_iterations,
+            memory_limit: d.memory_limit,
+            n_threads: d.n_threads,
+            reserved: 0,
+            progress: None,
+            progress_data: std::ptr::null_mut(),
+        }
+    }
+
+    /// The options at `pointer`, or the defaults for NULL.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
+    pub(super) unsafe fn read(pointer: *const ko_fit_options) -> Result<Self> {
+        if pointer.is_null() {
+            return Ok(Self::defaults());
+        }
+        // SAFETY: the caller's promise.
+        unsafe { read_sized(pointer, Self::defaults(), "options") }
+    }
+
+    /// The same for the fit.
+    pub(super) fn to_fit_options(self) -> Result<FitOptions> {
+        let feasible = match self.feasible {
+            KO_FEASIBLE_OUTSIDE => Feasible::Outside,
+            KO_FEASIBLE_INSIDE => Feasible::Inside,
+            other => {
+                return Err(Error::InvalidArgument(format!(
+                    "feasible is {other}; it must be KO_FEASIBLE_OUTSIDE (0) or KO_FEASIBLE_INSIDE (1)"
+                )));
+            }
+        };
+        if self.reserved != 0 {
+            return Err(Error::InvalidArgument(format!("reserved is {}; it must be 0", self.reserved)));
+        }
+        Ok(FitOptions {
+            control_points: self.control_points,
+            margin: self.margin,
+            normal_weight: self.lambda_normal,
+            smooth_weight: self.lambda_smooth,
+            reweightings: self.reweightings,
+            feasible,
+            tolerance: self.tolerance,
+            max_iterations: self.max_iterations,
+            n_threads: self.n_threads,
+            memory_limit: self.memory_limit,
+        })
+    }
+}

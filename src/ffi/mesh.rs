@@ -1,0 +1,204 @@
+//! `ko_mesh`.
+
+use super::cloud::ko_cloud;
+use super::guard::{guard, guard_free};
+use super::pointer::{array, array_mut, create, free, object, path, place, wanted};
+use super::report::ko_mesh_report;
+use crate::error::try_with_capacity;
+use crate::geometry::Mesh;
+use crate::{Error, Result};
+use std::ffi::c_char;
+
+/// A triangulated surface. Freed by `ko_mesh_free`.
+#[allow(non_camel_case_types)]
+pub struct ko_mesh(Mesh);
+
+/// Reads a mesh from `path`: OBJ, STL (binary, ASCII), PLY (binary, ASCII) or OFF, each also compressed by gzip.
+///
+/// The format is told by the content where it has a mark, else by the name's ending. Polygons are cut into fans of triangles; the equal
+/// vertices of an STL are merged. `path` is UTF-8 on Windows, bytes elsewhere. `*mesh` is the caller's to free.
+/// Errors: KO_ERR_IO, KO_ERR_FORMAT with line or byte, KO_ERR_UNSUPPORTED for other formats, KO_ERR_OUT_OF_MEMORY.
+/// Threads: any. Cost: one pass over the file.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_read(path: *const c_char, mesh: *mut *mut ko_mesh) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a NUL-terminated path and a handle to write.
+        unsafe { create(mesh, "mesh", || Ok(ko_mesh(Mesh::read(self::path(path, "path")?)?))) }
+    })
+}
+
+/// Makes a mesh from `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles], indices from 0, counter-clockwise seen from outside.
+///
+/// The arrays are copied. `*mesh` is the caller's to free.
+/// Errors: KO_ERR_INVALID_ARGUMENT for no triangle, a coordinate that is not finite, an index out of range; KO_ERR_OUT_OF_MEMORY.
+/// Threads: any. Cost: O(n_vertices + n_triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_from_triangles(
+    vertices: *const f64,
+    n_vertices: usize,
+    triangles: *const u32,
+    n_triangles: usize,
+    mesh: *mut *mut ko_mesh,
+) -> i32 {
+    guard(|| {
+        let make = || {
+            // SAFETY: the header asks for arrays of these lengths.
+            let vertices = unsafe { array(vertices.cast::<[f64; 3]>(), n_vertices, "vertices") }?;
+            // SAFETY: as above.
+            let triangles = unsafe { array(triangles.cast::<[u32; 3]>(), n_triangles, "triangles") }?;
+            Ok(ko_mesh(Mesh::new(copied(vertices, "the vertices")?, copied(triangles, "the triangles")?)?))
+        };
+        // SAFETY: the header asks for a handle to write.
+        unsafe { create(mesh, "mesh", make) }
+    })
+}
+
+/// Frees a mesh. NULL is taken. No other thread may be using it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_free(mesh: *mut ko_mesh) {
+    // SAFETY: the header asks for NULL or a mesh that was not freed.
+    guard_free(|| unsafe { free(mesh) });
+}
+
+/// Tells how many vertices and triangles the mesh has. Either output may be NULL. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_get_size(
+    mesh: *const ko_mesh,
+    n_vertices: *mut usize,
+    n_triangles: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
+        // SAFETY: the header asks for NULL or a place to write.
+        if let Some(n) = unsafe { wanted(n_vertices, 1, "n_vertices") }? {
+            n[0] = mesh.vertices().len();
+        }
+        // SAFETY: as above.
+        if let Some(n) = unsafe { wanted(n_triangles, 1, "n_triangles") }? {
+            n[0] = mesh.triangles().len();
+        }
+        Ok(())
+    })
+}
+
+/// Copies the mesh to `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles]; either may be NULL.
+///
+/// The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_copy(
+    mesh: *const ko_mesh,
+    n_vertices: usize,
+    n_triangles: usize,
+    vertices: *mut f64,
+    triangles: *mut u32,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
+        check_count("n_vertices", n_vertices, mesh.vertices().len())?;
+        check_count("n_triangles", n_triangles, mesh.triangles().len())?;
+        // SAFETY: the header asks for NULL or an array of this length.
+        if let Some(to) = unsafe { wanted(vertices.cast::<[f64; 3]>(), n_vertices, "vertices") }? {
+            to.copy_from_slice(mesh.vertices());
+        }
+        // SAFETY: as above.
+        if let Some(to) = unsafe { wanted(triangles.cast::<[u32; 3]>(), n_triangles, "triangles") }? {
+            to.copy_from_slice(mesh.triangles());
+        }
+        Ok(())
+    })
+}
+
+/// Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
+///
+/// `struct_size` is `sizeof *report`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any.
+/// Cost: O(n_triangles log n_triangles), with some 100 bytes a triangle taken meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_get_report(
+    mesh: *const ko_mesh,
+    struct_size: usize,
+    report: *mut ko_mesh_report,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
+        // SAFETY: the header asks for a struct of this size.
+        unsafe { ko_mesh_report::write(report, struct_size, &mesh.report()?) }
+    })
+}
+
+/// Turns every triangle over, so that an inside-out solid becomes a solid.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL. No other thread may be using the mesh. Cost: O(n_triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_flip(mesh: *mut ko_mesh) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh that no one else uses.
+        let ko_mesh(mesh) = unsafe { place(mesh, "mesh") }?;
+        mesh.flip();
+        Ok(())
+    })
+}
+
+/// Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud.
+///
+/// Normals are smooth across edges of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
+/// coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
+/// Errors: KO_ERR_INVALID_ARGUMENT for no points, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
+/// Threads: any. Cost: O(n_points log n_points + n_triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_sample(
+    mesh: *const ko_mesh,
+    n_points: usize,
+    seed: u64,
+    cloud: *mut *mut ko_cloud,
+) -> i32 {
+    guard(|| {
+        let make = || {
+            // SAFETY: the header asks for a mesh.
+            let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
+            Ok(ko_cloud(mesh.sample(n_points, seed)?))
+        };
+        // SAFETY: the header asks for a handle to write.
+        unsafe { create(cloud, "cloud", make) }
+    })
+}
+
+/// Exact signed distances of `points` [3 * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
+///
+/// The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
+/// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite.
+/// Threads: any number at once. Cost: O(log n_triangles) a point; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_signed_distance(
+    mesh: *const ko_mesh,
+    points: *const f64,
+    n_points: usize,
+    distances: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
+        // SAFETY: the header asks for arrays of these lengths.
+        let points = unsafe { array(points.cast::<[f64; 3]>(), n_points, "points") }?;
+        // SAFETY: as above.
+        let distances = unsafe { array_mut(distances, n_points, "distances") }?;
+        mesh.signed_distances(points, distances)
+    })
+}
+
+/// A copy of an array that may be too large for memory.
+pub(super) fn copied<T: Copy>(from: &[T], what: &str) -> Result<Vec<T>> {
+    let mut to = try_with_capacity(from.len(), what)?;
+    to.extend_from_slice(from);
+    Ok(to)
+}
+
+/// Refuses a length that is not the object's.
+pub(super) fn check_count(name: &str, given: usize, right: usize) -> Result<()> {
+    if given == right {
+        return Ok(());
+    }
+    Err(Error::InvalidArgument(format!("{name} is {given}; the object has {right}")))
+}

@@ -1,0 +1,22 @@
+//! The C ABI: the only door to C, and the only room where `unsafe` is allowed.
+//!
+//! One file per handle. Every entry has five beats: guard, handle, check, delegate, result. No mathematics happens here. The header
+//! `include/keepout.h` is generated from these files; its conventions stand at its top, in `cbindgen.toml`.
+
+mod cloud;
+mod field;
+mod fit_options;
+mod guard;
+mod mesh;
+mod pointer;
+mod report;
+mod status;
+mod version;
+
+pub use cloud::*;
+pub use field::*;
+pub use fit_options::*;
+pub use mesh::*;
+pub use report::*;
+pub use status::*;
+pub use version::*;

@@ -1,0 +1,166 @@
+//! Reports: plain structs that the library fills.
+
+use super::fit_options::{KO_FEASIBLE_INSIDE, KO_FEASIBLE_OUTSIDE};
+use super::pointer::{Sized_, write_sized};
+use crate::Result;
+use crate::field::{Feasible, Field};
+use crate::geometry::MeshReport;
+
+/// What can be said of a mesh. Filled by `ko_mesh_get_report`.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_mesh_report {
+    /// sizeof(ko_mesh_report) as the caller knows it.
+    pub struct_size: usize,
+    /// Vertices, used by a triangle or not.
+    pub n_vertices: u64,
+    /// Triangles.
+    pub n_triangles: u64,
+    /// Parts that are connected through shared edges.
+    pub n_components: u64,
+    /// Edges with one triangle.
+    pub n_boundary_edges: u64,
+    /// Edges with more than two triangles.
+    pub n_non_manifold_edges: u64,
+    /// Vertices whose triangles form more than one fan.
+    pub n_non_manifold_vertices: u64,
+    /// Triangles without area: a vertex twice, or a height of at most 1e-10 of the longest side.
+    pub n_degenerate: u64,
+    /// Triangles whose three vertices another triangle before them has too.
+    pub n_duplicate: u64,
+    /// Vertices that no triangle uses.
+    pub n_unreferenced: u64,
+    /// 1: no boundary edge.
+    pub closed: i32,
+    /// 1: neighbours run through their shared edge in opposite directions.
+    pub oriented: i32,
+    /// 1: at most two triangles at an edge, one fan at a vertex.
+    pub manifold: i32,
+    /// 1: closed and oriented with normals that point into the solid (volume < 0): `ko_mesh_flip` turns it.
+    pub inside_out: i32,
+    /// Lower corner of the bounding box.
+    pub bounds_min: [f64; 3],
+    /// Upper corner of the bounding box.
+    pub bounds_max: [f64; 3],
+    /// Area, in the square of the mesh's unit.
+    pub area: f64,
+    /// Signed volume, in the cube of the mesh's unit; it means something for a closed, oriented mesh.
+    pub volume: f64,
+}
+
+// SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
+unsafe impl Sized_ for ko_mesh_report {}
+
+const _: () = assert!(size_of::<ko_mesh_report>() == size_of::<usize>() + 9 * 8 + 4 * 4 + 8 * 8);
+
+impl ko_mesh_report {
+    /// # Safety
+    /// `to` is NULL or points to `size` writable bytes.
+    pub(super) unsafe fn write(to: *mut Self, size: usize, r: &MeshReport) -> Result<()> {
+        let report = ko_mesh_report {
+            struct_size: size,
+            n_vertices: r.n_vertices as u64,
+            n_triangles: r.n_triangles as u64,
+            n_components: r.components as u64,
+            n_boundary_edges: r.boundary_edges as u64,
+            n_non_manifold_edges: r.non_manifold_edges as u64,
+            n_non_manifold_vertices: r.non_manifold_vertices as u64,
+            n_degenerate: r.degenerate_triangles as u64,
+            n_duplicate: r.duplicate_triangles as u64,
+            n_unreferenced: r.unreferenced_vertices as u64,
+            closed: i32::from(r.closed),
+            oriented: i32::from(r.oriented),
+            manifold: i32::from(r.manifold),
+            inside_out: i32::from(r.inside_out),
+            bounds_min: r.bounds.min,
+            bounds_max: r.bounds.max,
+            area: r.area,
+            volume: r.volume,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { write_sized(to, size, report, "report") }
+    }
+}
+
+/// What a field is and what its fit did. Filled by `ko_field_get_report`. Errors are fractions of D.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_fit_report {
+    /// sizeof(ko_fit_report) as the caller knows it.
+    pub struct_size: usize,
+    /// 3.
+    pub dim: u32,
+    /// KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE.
+    pub feasible: i32,
+    /// Control points along x, y, z; an axis of n has n - 3 cells.
+    pub control_points: [u32; 3],
+    /// Iterations of the solve, all rounds together.
+    pub iterations: u32,
+    /// Unknowns of the solve: control points in all.
+    pub n_unknowns: u64,
+    /// Points of the cloud.
+    pub n_points: u64,
+    /// Bytes that the field holds.
+    pub bytes: u64,
+    /// Lower corner of the box.
+    pub box_min: [f64; 3],
+    /// Upper corner of the box.
+    pub box_max: [f64; 3],
+    /// D: diagonal of the cloud's bounding box.
+    pub diagonal: f64,
+    /// Relative residual reached.
+    pub residual: f64,
+    /// Seconds to sort the points and build the system.
+    pub seconds_assembly: f64,
+    /// Seconds of the solve.
+    pub seconds_solve: f64,
+    /// Seconds to measure the errors.
+    pub seconds_check: f64,
+    /// Root mean square of phi at the points of the cloud.
+    pub rms: f64,
+    /// Largest |phi| at the points of the cloud.
+    pub max: f64,
+    /// Mean of |grad phi| at the points of the cloud: 1 for a distance.
+    pub mean_gradient: f64,
+}
+
+// SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
+unsafe impl Sized_ for ko_fit_report {}
+
+const _: () = assert!(size_of::<ko_fit_report>() == size_of::<usize>() + 6 * 4 + 3 * 8 + 14 * 8);
+
+impl ko_fit_report {
+    /// # Safety
+    /// `to` is NULL or points to `size` writable bytes.
+    pub(super) unsafe fn write(to: *mut Self, size: usize, field: &Field) -> Result<()> {
+        let r = field.report();
+        let axes = &field.grid().axes;
+        let report = ko_fit_report {
+            struct_size: size,
+            dim: 3,
+            feasible: match field.feasible() {
+                Feasible::Outside => KO_FEASIBLE_OUTSIDE,
+                Feasible::Inside => KO_FEASIBLE_INSIDE,
+            },
+            control_points: r.control_points,
+            iterations: r.iterations,
+            n_unknowns: r.n_unknowns,
+            n_points: r.n_points,
+            bytes: field.bytes() as u64,
+            box_min: axes.map(|a| a.lower),
+            box_max: axes.map(|a| a.upper()),
+            diagonal: field.diagonal(),
+            residual: r.residual,
+            seconds_assembly: r.seconds_assembly,
+            seconds_solve: r.seconds_solve,
+            seconds_check: r.seconds_check,
+            rms: r.rms,
+            max: r.max,
+            mean_gradient: r.mean_gradient,
+        };
+        // SAFETY: the caller's promise.
+        unsafe { write_sized(to, size, report, "report") }
+    }
+}
