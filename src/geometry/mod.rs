@@ -8,7 +8,13 @@
 
 pub mod bounds;
 pub mod cloud;
+mod eliminate;
 pub mod mesh;
+pub mod normals;
+pub mod random;
+pub mod sample;
+pub mod shapes;
+mod unit;
 pub mod vec3;
 
 pub use bounds::Bounds;
