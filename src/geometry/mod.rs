@@ -7,16 +7,21 @@
 //! Notation: V vertices, T triangles, p a point, n a unit normal, b barycentric coordinates in a triangle (a, b, c).
 
 pub mod bounds;
+mod bvh;
 pub mod cloud;
+pub mod distance;
 mod eliminate;
 pub mod mesh;
 pub mod normals;
 pub mod random;
 pub mod sample;
 pub mod shapes;
+mod triangle;
 mod unit;
 pub mod vec3;
+mod winding;
 
 pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
+pub use distance::{ClosestPoint, DistanceTree};
 pub use mesh::Mesh;
