@@ -44,9 +44,9 @@ pub(super) fn eliminate(candidates: Vec<Candidate>, n_kept: usize, area: f64) ->
     let weight = Weight::new(reach, n_kept as f64 / n as f64);
     let grid = Grid::new(&candidates, reach)?;
 
-    let mut weights = try_vec(n, 0.0, "the weights of the sample candidates")?;
-    for i in 0..n {
-        grid.for_each_neighbour(i, |_, distance| weights[i] += weight.of(distance));
+    let mut weights = try_vec(n, 0.0_f32, "the weights of the sample candidates")?;
+    for (i, w) in weights.iter_mut().enumerate() {
+        grid.for_each_neighbour(i, |_, distance| *w += weight.of(distance) as f32);
     }
     let mut entries = try_with_capacity(n, "the heap of the sample candidates")?;
     entries.extend(weights.iter().enumerate().map(|(i, &weight)| Entry { weight, index: i as u32 }));
@@ -64,7 +64,7 @@ pub(super) fn eliminate(candidates: Vec<Candidate>, n_kept: usize, area: f64) ->
         PeekMut::pop(top);
         alive[i] = false;
         n_alive -= 1;
-        grid.for_each_neighbour(i, |j, distance| weights[j] -= weight.of(distance));
+        grid.for_each_neighbour(i, |j, distance| weights[j] -= weight.of(distance) as f32);
     }
 
     let mut kept = try_with_capacity(n_kept, "the samples")?;
@@ -97,10 +97,10 @@ impl Weight {
     }
 }
 
-/// An entry of the heap: heaviest first, then the lower index, so that ties have one outcome.
+/// An entry of the heap: heaviest first, then the lower index, so that ties have one outcome. In `f32`, for the heap waits for memory.
 #[derive(PartialEq)]
 struct Entry {
-    weight: f64,
+    weight: f32,
     index: u32,
 }
 

@@ -4,13 +4,13 @@
 //! eliminated, the most crowded first ([`super::eliminate`]). The result is a blue noise: neighbours keep a distance, and no
 //! direction is preferred.
 
+use super::Mesh;
 use super::cloud::{Cloud, Origin};
 use super::eliminate::{Candidate, eliminate};
 use super::normals::corner_normals;
 use super::random::SplitMix64;
 use super::unit::Unit;
 use super::vec3::{Vec3, add, dot, norm, normalized, scale};
-use super::Mesh;
 use crate::error::try_with_capacity;
 use crate::{Error, Result};
 
@@ -195,7 +195,8 @@ mod tests {
         let n = 1000;
         let cloud = sheet.sample(n, 11).unwrap();
         for side in [1.0, -1.0] {
-            let points: Vec<Vec3> = (0..n).filter(|&i| cloud.normals()[i][2] == side).map(|i| cloud.points()[i]).collect();
+            let points: Vec<Vec3> =
+                (0..n).filter(|&i| cloud.normals()[i][2] == side).map(|i| cloud.points()[i]).collect();
             assert!(points.len().abs_diff(n / 2) < 10, "{}", points.len());
             let smallest = nearest(&points).into_iter().fold(f64::INFINITY, f64::min);
             assert!(smallest > 0.65 * 2.0 * largest_radius(2.0, n), "{smallest}");

@@ -19,8 +19,7 @@ pub fn box_mesh(min: Vec3, max: Vec3) -> Result<Mesh> {
     }
     // Bit a of a corner's number says whether it lies at max along axis a.
     let vertices = (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { min[a] } else { max[a] })).collect();
-    let quads: [[u32; 4]; 6] =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let quads: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     Mesh::new(vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
 }
 
