@@ -59,7 +59,7 @@ impl Node {
 pub(super) struct Bvh {
     /// The root first, children after their parents.
     pub nodes: Vec<Node>,
-    /// [T]: the mesh's triangle at each place of the tree's order.
+    /// One a triangle: the mesh's triangle at each place of the tree's order.
     pub order: Vec<u32>,
 }
 
@@ -100,6 +100,7 @@ impl Bvh {
                 tasks.push(Task { node: first + child, items: items_of_child, depth: depth + 1 });
             }
         }
+        nodes.shrink_to_fit();
         let mut order = try_vec(n, 0, "the order of the triangles")?;
         order.iter_mut().zip(&items).for_each(|(t, item)| *t = item.triangle);
         Ok(Bvh { nodes, order })

@@ -1,14 +1,15 @@
 //! Exact distance from points to a mesh, and the side they lie on.
 //!
 //! The closest point comes from a depth-first search of the tree of boxes, the nearer child first, boxes farther than the best
-//! point skipped. The side comes from the generalised winding number ([`super::winding`]), so open meshes have sides too.
+//! point skipped. The side comes from the generalised winding number (`winding.rs`), so open meshes have sides too.
 
-use super::Mesh;
 use super::bvh::{Bvh, STACK_SIZE};
+use super::morton::along_z_curve;
 use super::triangle::{Closest, closest};
 use super::unit::Unit;
 use super::vec3::{Vec3, add, scale};
 use super::winding::{Side, Winding};
+use super::{Bounds, Mesh};
 use crate::error::try_with_capacity;
 use crate::{Error, Result};
 
@@ -29,10 +30,12 @@ pub struct ClosestPoint {
 /// A mesh prepared for distances. Each query's answer depends on the mesh and that query alone.
 #[derive(Debug)]
 pub struct DistanceTree {
+    /// Of the mesh, in the caller's unit.
+    bounds: Bounds,
     /// Everything below is in this unit.
     unit: Unit,
     tree: Bvh,
-    /// [T]: corners of the triangles in the tree's order.
+    /// One a triangle: corners of the triangles in the tree's order.
     corners: Vec<[Vec3; 3]>,
     winding: Winding,
 }
@@ -45,7 +48,7 @@ struct Query {
 }
 
 impl DistanceTree {
-    /// The tree of `mesh`: about 170 bytes a triangle. [`Mesh::distance_tree`] keeps one.
+    /// The tree of `mesh`: about 200 bytes a triangle. [`Mesh::distance_tree`] keeps one.
     pub fn new(mesh: &Mesh) -> Result<Self> {
         let unit = Unit::of(mesh);
         let shrunk = unit.shrunk(mesh)?;
@@ -53,12 +56,13 @@ impl DistanceTree {
         let mut corners = try_with_capacity(tree.order.len(), "the triangles of the distance tree")?;
         corners.extend(tree.order.iter().map(|&t| shrunk.corners(t as usize)));
         let winding = Winding::new(&tree, &corners)?;
-        Ok(DistanceTree { unit, tree, corners, winding })
+        Ok(DistanceTree { bounds: mesh.bounds(), unit, tree, corners, winding })
     }
 
     /// The point of the mesh closest to `point`.
     pub fn closest_point(&self, point: Vec3) -> Result<ClosestPoint> {
-        let query = self.query(0, point)?;
+        check_finite(0, point)?;
+        let query = self.query(point);
         let (place, closest) = self.search(query.point);
         let [a, b, c] = self.corners[place];
         let [u, v, w] = closest.barycentric;
@@ -79,34 +83,35 @@ impl DistanceTree {
                 out.len()
             )));
         }
-        for (i, (&p, distance)) in points.iter().zip(out).enumerate() {
-            let query = self.query(i, p)?;
-            let (_, closest) = self.search(query.point);
-            let unsigned = closest.distance_squared.sqrt() * query.stretch;
-            *distance = match closest.distance_squared {
-                0.0 => 0.0,
-                _ => match self.winding.side(&self.tree, &self.corners, query.point) {
-                    Side::Outside => unsigned,
-                    Side::Inside => -unsigned,
-                },
-            };
+        for (i, &p) in points.iter().enumerate() {
+            check_finite(i, p)?;
+        }
+        // In this order successive queries meet the same boxes, which nearly halves the time.
+        for i in along_z_curve(points, &self.bounds)? {
+            out[i] = self.signed_distance(&self.query(points[i]));
         }
         Ok(())
     }
 
-    /// Point `i` of the caller's, checked.
-    fn query(&self, i: usize, point: Vec3) -> Result<Query> {
-        if !point.iter().all(|x| x.is_finite()) {
-            return Err(Error::InvalidArgument(format!(
-                "point {i} is ({}, {}, {}); coordinates must be finite",
-                point[0], point[1], point[2]
-            )));
+    fn signed_distance(&self, query: &Query) -> f64 {
+        let (_, closest) = self.search(query.point);
+        if closest.distance_squared == 0.0 {
+            return 0.0;
         }
+        let distance = closest.distance_squared.sqrt() * query.stretch;
+        match self.winding.side(&self.tree, &self.corners, query.point) {
+            Side::Outside => distance,
+            Side::Inside => -distance,
+        }
+    }
+
+    /// A finite point in the tree's unit.
+    fn query(&self, point: Vec3) -> Query {
         let largest = point.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         if largest * self.unit.shrink <= FAR {
-            return Ok(Query { point: scale(self.unit.shrink, point), stretch: self.unit.grow });
+            return Query { point: scale(self.unit.shrink, point), stretch: self.unit.grow };
         }
-        Ok(Query { point: point.map(|x| x / largest * FAR), stretch: largest / FAR })
+        Query { point: point.map(|x| x / largest * FAR), stretch: largest / FAR }
     }
 
     /// The place, in the tree's order, of a triangle closest to `p`, and its closest point.
@@ -129,8 +134,9 @@ impl DistanceTree {
                 }
                 continue;
             }
-            let [left, right] =
-                self.tree.nodes[node].children().map(|child| (child, self.tree.nodes[child].distance_squared(p)));
+            let [left, right] = self.tree.nodes[node].children();
+            let left = (left, self.tree.nodes[left].distance_squared(p));
+            let right = (right, self.tree.nodes[right].distance_squared(p));
             let (near, far) = if right.1 < left.1 { (right, left) } else { (left, right) };
             stack[depth] = far;
             stack[depth + 1] = near;
@@ -138,6 +144,14 @@ impl DistanceTree {
         }
         best
     }
+}
+
+/// Refuses point `i` when a coordinate is not finite.
+fn check_finite(i: usize, p: Vec3) -> Result<()> {
+    if p.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::InvalidArgument(format!("point {i} is ({}, {}, {}); coordinates must be finite", p[0], p[1], p[2])))
 }
 
 #[cfg(test)]

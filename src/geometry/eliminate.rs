@@ -1,6 +1,6 @@
 //! Weighted sample elimination: Yuksel, "Sample elimination for generating Poisson disk sample sets" (2015).
 //!
-//! | section 3 | here |
+//! | there | here |
 //! |---|---|
 //! | r_max of a surface of area A | [`largest_radius`] |
 //! | weight w_ij of two samples, with the limit r_min | [`Weight::of`] |
@@ -21,7 +21,7 @@ use std::collections::BinaryHeap;
 use std::collections::binary_heap::PeekMut;
 use std::ops::Range;
 
-/// Limits the weight of pairs that come close by chance: beta and gamma of section 3, its values.
+/// Limits the weight of pairs that come close by chance: Yuksel's beta and gamma.
 const BETA: f64 = 0.65;
 const GAMMA: f64 = 1.5;
 

@@ -12,6 +12,7 @@ pub mod cloud;
 pub mod distance;
 mod eliminate;
 pub mod mesh;
+mod morton;
 pub mod normals;
 pub mod random;
 pub mod sample;

@@ -4,11 +4,11 @@
 //!
 //! Notation: w winding number, q query, r = c - q with R = |r|, c a node's centre, A n area and unit normal of its triangles.
 //!
-//! | | equation | here |
+//! | | there | here |
 //! |---|---|---|
-//! | 2013 | (5), w = sum of solid angles / 4 pi | [`Winding::exact`] |
-//! | 2018 | (12), expansion to the first order | [`Moments::far_field`] |
-//! | 2018 | section 4.2, when to use it | [`Winding::approximate`] |
+//! | 2013 | w = sum of solid angles / 4 pi | [`Winding::exact`] |
+//! | 2018 | Taylor expansion to the first order | [`Moments::far_field`] |
+//! | 2018 | its use from beta radii on | [`Winding::approximate`] |
 //!
 //! A side is decided by w < 1/2. Where the expansion is not clear of 1/2, it is refined, and at last replaced by the exact sum.
 
