@@ -56,7 +56,7 @@ pub struct ko_fit_options {
 // `progress` may be any address, as in C, and is only ever called as the caller promised.
 unsafe impl Sized_ for ko_fit_options {}
 
-const _: () = assert!(size_of::<ko_fit_options>() == 2 * size_of::<usize>() + 80 + size_of::<ko_progress>());
+const _: () = assert!(size_of::<ko_fit_options>() == 2 * size_of::<usize>() + 72 + size_of::<ko_progress>());
 
 /// Fills `options` with the defaults. `struct_size` is sizeof *options.
 ///

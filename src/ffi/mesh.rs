@@ -184,7 +184,7 @@ pub unsafe extern "C" fn ko_mesh_signed_distance(
         let points = unsafe { array(points.cast::<[f64; 3]>(), n_points, "points") }?;
         // SAFETY: as above.
         let distances = unsafe { array_mut(distances, n_points, "distances") }?;
-        mesh.signed_distances(points, distances)
+        mesh.distance_tree()?.signed_distances(points, distances)
     })
 }
 

@@ -20,9 +20,9 @@
 //! ```
 
 use super::{Feasible, Field, FitReport};
+use crate::Result;
 use crate::error::{Error, Place, try_with_capacity};
 use crate::spline::{Axis, Grid};
-use crate::Result;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -76,12 +76,14 @@ impl Field {
         let expected = HEADER as u128 + 8 * n + CHECKSUM as u128;
         let length = u128::from(file.metadata().map_err(io_error)?.len());
         if length != expected {
-            let message = format!("the file has {length} bytes; its header announces {expected}: it is cut short or altered");
+            let message =
+                format!("the file has {length} bytes; its header announces {expected}: it is cut short or altered");
             return Err(wrong(Place::Whole, message));
         }
         let mut rest = try_with_capacity(expected as usize - HEADER, "the control points of the file")?;
         file.take(expected as u64).read_to_end(&mut rest).map_err(io_error)?;
-        let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|(c, _)| c.len() as u128 == 8 * n) else {
+        let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|(c, _)| c.len() as u128 == 8 * n)
+        else {
             return Err(wrong(Place::Whole, "the file changed while it was read".into()));
         };
         let mut crc = crc32fast::Hasher::new();
@@ -130,16 +132,16 @@ impl Field {
         };
         let mut h = Vec::with_capacity(HEADER);
         h.extend(MAGIC);
-        [VERSION, 3].map(|x| h.extend(x.to_le_bytes()));
-        axes.map(|a| h.extend((a.n_control() as u32).to_le_bytes()));
+        h.extend([VERSION, 3].iter().flat_map(|x| x.to_le_bytes()));
+        h.extend(axes.iter().flat_map(|a| (a.n_control() as u32).to_le_bytes()));
         h.extend(side.to_le_bytes());
-        axes.map(|a| h.extend(a.lower.to_le_bytes()));
-        axes.map(|a| h.extend(a.cell.to_le_bytes()));
+        h.extend(axes.iter().flat_map(|a| a.lower.to_le_bytes()));
+        h.extend(axes.iter().flat_map(|a| a.cell.to_le_bytes()));
         h.extend(self.diagonal.to_le_bytes());
         h.extend(r.n_points.to_le_bytes());
-        [r.iterations, 0].map(|x| h.extend(x.to_le_bytes()));
-        [r.residual, r.seconds_assembly, r.seconds_solve, r.seconds_check, r.rms, r.max, r.mean_gradient]
-            .map(|x| h.extend(x.to_le_bytes()));
+        h.extend([r.iterations, 0].iter().flat_map(|x| x.to_le_bytes()));
+        let figures = [r.residual, r.seconds_assembly, r.seconds_solve, r.seconds_check, r.rms, r.max, r.mean_gradient];
+        h.extend(figures.iter().flat_map(|x| x.to_le_bytes()));
         debug_assert_eq!(h.len(), HEADER);
         h
     }
@@ -219,11 +221,8 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         let message = "the box is not finite, or an edge or the diagonal is not above 0".into();
         return Err((Place::Byte(32), message));
     }
-    let axes = std::array::from_fn(|a| Axis {
-        lower: lower[a],
-        cell: cell[a],
-        n_cells: control_points[a] as usize - 3,
-    });
+    let axes =
+        std::array::from_fn(|a| Axis { lower: lower[a], cell: cell[a], n_cells: control_points[a] as usize - 3 });
     let n_points = at.u64();
     let [iterations, _] = [at.u32(), at.u32()];
     let report = FitReport {

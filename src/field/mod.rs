@@ -23,6 +23,8 @@
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations.
 //! - Outside the box, where the paper's field ends, it is continued: [`beyond`].
 
+#![forbid(unsafe_code)]
+
 pub mod beyond;
 pub mod data;
 pub mod domain;

@@ -1,5 +1,8 @@
 //! The edges of a triangle mesh, each with the triangle sides along it; and sets of things that such edges join.
 
+use crate::Result;
+use crate::error::{try_vec, try_with_capacity};
+
 /// A side of a triangle: the edge it lies on and the way it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Side {
@@ -32,10 +35,10 @@ pub(crate) struct Edges {
 
 impl Edges {
     /// The edges of `triangles` over `n_vertices`.
-    pub fn of(triangles: &[[u32; 3]], n_vertices: usize) -> Self {
+    pub fn of(triangles: &[[u32; 3]], n_vertices: usize) -> Result<Self> {
         let sides = || triangles.iter().enumerate().filter(|(_, t)| !repeats_vertex(t)).flat_map(sides_of);
         // Counting sort by lower vertex, then each vertex's few sides by comparison.
-        let mut ends = vec![0; n_vertices + 1];
+        let mut ends = try_vec(n_vertices + 1, 0, "the edges of the mesh")?;
         for side in sides() {
             ends[side.edge[0] as usize + 1] += 1;
         }
@@ -43,7 +46,7 @@ impl Edges {
             ends[v + 1] += ends[v];
         }
         let nowhere = Side { edge: [0; 2], id: 0, forward: true };
-        let mut sorted = vec![nowhere; ends[n_vertices]];
+        let mut sorted = try_vec(ends[n_vertices], nowhere, "the edges of the mesh")?;
         for side in sides() {
             let next = &mut ends[side.edge[0] as usize];
             sorted[*next] = side;
@@ -52,7 +55,7 @@ impl Edges {
         for around in sorted.chunk_by_mut(|a, b| a.edge[0] == b.edge[0]) {
             around.sort_unstable();
         }
-        Edges { sides: sorted }
+        Ok(Edges { sides: sorted })
     }
 
     /// Each edge as the sides along it, in order of vertices and triangles.
@@ -81,8 +84,10 @@ pub(crate) struct Sets {
 
 impl Sets {
     /// n sets of one.
-    pub fn new(n: usize) -> Self {
-        Sets { parent: (0..n).collect() }
+    pub fn new(n: usize) -> Result<Self> {
+        let mut parent = try_with_capacity(n, "the parts of the mesh")?;
+        parent.extend(0..n);
+        Ok(Sets { parent })
     }
 
     /// The smallest member of the set of `i`.
@@ -113,19 +118,19 @@ mod tests {
 
     #[test]
     fn two_triangles_share_one_edge() {
-        let edges = Edges::of(&[[0, 1, 2], [2, 1, 3], [3, 3, 1]], 4);
+        let edges = Edges::of(&[[0, 1, 2], [2, 1, 3], [3, 3, 1]], 4).unwrap();
         let shared: Vec<_> = edges.iter().filter(|sides| sides.len() == 2).collect();
         assert_eq!((edges.iter().count(), shared.len()), (5, 1));
         let [a, b] = shared[0] else { panic!("two sides") };
         assert_eq!((a.edge, a.triangle(), b.triangle()), ([1, 2], 0, 1));
         assert_eq!((a.corners(), b.corners()), ([1, 2], [4, 3]));
         assert!(a.forward && !b.forward);
-        assert_eq!(Edges::of(&[], 0).iter().count(), 0);
+        assert_eq!(Edges::of(&[], 0).unwrap().iter().count(), 0);
     }
 
     #[test]
     fn sets_are_known_by_their_smallest_member() {
-        let mut sets = Sets::new(5);
+        let mut sets = Sets::new(5).unwrap();
         sets.join(4, 2);
         sets.join(2, 1);
         sets.join(1, 4);

@@ -1,8 +1,9 @@
 //! A triangle mesh: vertices and vertex indices, checked once.
 
-use super::Bounds;
 use super::vec3::{Vec3, cross, sub};
+use super::{Bounds, DistanceTree};
 use crate::{Error, Result};
+use std::sync::{Arc, OnceLock};
 
 /// A triangulated surface, open or closed. Every coordinate is finite and every index in range; nothing else is promised:
 /// [`Mesh::report`] tells the rest.
@@ -10,6 +11,8 @@ use crate::{Error, Result};
 pub struct Mesh {
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
+    /// Made when first asked for; clones share it.
+    distance_tree: OnceLock<Arc<DistanceTree>>,
 }
 
 impl Mesh {
@@ -31,7 +34,7 @@ impl Mesh {
                 t[0], t[1], t[2]
             )));
         }
-        Ok(Mesh { vertices, triangles })
+        Ok(Mesh { vertices, triangles, distance_tree: OnceLock::new() })
     }
 
     /// Vertices [V x 3].
@@ -60,10 +63,21 @@ impl Mesh {
         Bounds::of(self.triangles.iter().flatten().map(|&v| &self.vertices[v as usize]))
     }
 
+    /// The tree that answers distances to this mesh, built by the first call.
+    pub fn distance_tree(&self) -> Result<&DistanceTree> {
+        if let Some(tree) = self.distance_tree.get() {
+            return Ok(tree);
+        }
+        // Two threads may both build; they build the same, and one is kept.
+        let tree = Arc::new(DistanceTree::new(self)?);
+        Ok(self.distance_tree.get_or_init(|| tree))
+    }
+
     /// Turns every triangle over, so that an inside-out solid becomes a solid.
     pub fn flip(&mut self) {
         for t in &mut self.triangles {
             t.swap(1, 2);
         }
+        self.distance_tree = OnceLock::new();
     }
 }

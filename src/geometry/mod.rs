@@ -9,15 +9,27 @@
 #![forbid(unsafe_code)]
 
 pub mod bounds;
+mod bvh;
 pub mod cloud;
+pub mod distance;
 mod edges;
+mod eliminate;
 pub mod mesh;
+mod morton;
+pub mod normals;
+pub mod random;
 pub mod read;
 pub mod report;
+pub mod sample;
+pub mod shapes;
+mod triangle;
+mod unit;
 pub mod vec3;
+mod winding;
 
 pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
+pub use distance::{ClosestPoint, DistanceTree};
 pub use mesh::Mesh;
 pub use read::read;
 pub use report::MeshReport;

@@ -5,6 +5,11 @@ use std::fmt;
 use super::edges::{Edges, Sets, Side, repeats_vertex};
 use super::vec3::{Vec3, cross, dot, norm, scale, sub};
 use super::{Bounds, Mesh};
+use crate::Result;
+use crate::error::{try_vec, try_with_capacity};
+
+/// What the memory is for, should it run out.
+const WORK: &str = "the report of the mesh";
 
 /// A triangle is degenerate when its height over its longest side is at most this fraction of that side: far above the
 /// rounding of the product that gives its normal, far below any sliver that single precision can tell from a line.
@@ -50,11 +55,11 @@ pub struct MeshReport {
 
 impl Mesh {
     /// Findings about this mesh, in O(T log T).
-    pub fn report(&self) -> MeshReport {
-        let topology = Topology::of(self);
+    pub fn report(&self) -> Result<MeshReport> {
+        let topology = Topology::of(self)?;
         let size = Size::of(self);
         let closed = topology.boundary_edges == 0 && topology.components > 0;
-        MeshReport {
+        Ok(MeshReport {
             n_vertices: self.vertices().len(),
             n_triangles: self.triangles().len(),
             closed,
@@ -65,13 +70,13 @@ impl Mesh {
             non_manifold_vertices: topology.non_manifold_vertices,
             components: topology.components,
             degenerate_triangles: size.degenerate,
-            duplicate_triangles: count_duplicates(self.triangles()),
-            unreferenced_vertices: count_unreferenced(self),
+            duplicate_triangles: count_duplicates(self.triangles())?,
+            unreferenced_vertices: count_unreferenced(self)?,
             bounds: self.bounds(),
             area: size.area,
             volume: size.volume,
             inside_out: closed && topology.oriented && size.negative,
-        }
+        })
     }
 }
 
@@ -85,7 +90,7 @@ struct Topology {
 }
 
 impl Topology {
-    fn of(mesh: &Mesh) -> Self {
+    fn of(mesh: &Mesh) -> Result<Self> {
         let (n_vertices, triangles) = (mesh.vertices().len(), mesh.triangles());
         let mut found = Topology {
             boundary_edges: 0,
@@ -94,11 +99,11 @@ impl Topology {
             components: 0,
             oriented: true,
         };
-        let mut parts = Sets::new(triangles.len());
+        let mut parts = Sets::new(triangles.len())?;
         // Corners of one vertex that shared edges join: a fan. Its corners are numbered 3 t + k.
-        let mut fans = Sets::new(3 * triangles.len());
-        let mut bad = vec![false; n_vertices];
-        for sides in Edges::of(triangles, n_vertices).iter() {
+        let mut fans = Sets::new(3 * triangles.len())?;
+        let mut bad = try_vec(n_vertices, false, WORK)?;
+        for sides in Edges::of(triangles, n_vertices)?.iter() {
             match sides {
                 [_] => found.boundary_edges += 1,
                 [a, b] => found.oriented &= a.forward != b.forward,
@@ -112,7 +117,7 @@ impl Topology {
                 join(&pair[0], &pair[1], &mut parts, &mut fans);
             }
         }
-        let mut has_fan = vec![false; n_vertices];
+        let mut has_fan = try_vec(n_vertices, false, WORK)?;
         for (t, triangle) in triangles.iter().enumerate().filter(|(_, t)| !repeats_vertex(t)) {
             found.components += usize::from(parts.is_first(t));
             for (_, &v) in triangle.iter().enumerate().filter(|(k, _)| fans.is_first(3 * t + k)) {
@@ -121,7 +126,7 @@ impl Topology {
             }
         }
         found.non_manifold_vertices = bad.iter().filter(|b| **b).count();
-        found
+        Ok(found)
     }
 }
 
@@ -180,17 +185,18 @@ fn unit_scale(bounds: Bounds) -> f64 {
     f64::from_bits((2046 - biased_exponent) << 52)
 }
 
-fn count_duplicates(triangles: &[[u32; 3]]) -> usize {
-    let mut sets = triangles.to_vec();
-    sets.iter_mut().for_each(|t| t.sort_unstable());
+fn count_duplicates(triangles: &[[u32; 3]]) -> Result<usize> {
+    let mut sets = try_with_capacity(triangles.len(), WORK)?;
+    sets.extend_from_slice(triangles);
+    sets.iter_mut().for_each(|t: &mut [u32; 3]| t.sort_unstable());
     sets.sort_unstable();
-    sets.windows(2).filter(|pair| pair[0] == pair[1]).count()
+    Ok(sets.windows(2).filter(|pair| pair[0] == pair[1]).count())
 }
 
-fn count_unreferenced(mesh: &Mesh) -> usize {
-    let mut used = vec![false; mesh.vertices().len()];
+fn count_unreferenced(mesh: &Mesh) -> Result<usize> {
+    let mut used = try_vec(mesh.vertices().len(), false, WORK)?;
     mesh.triangles().iter().flatten().for_each(|&v| used[v as usize] = true);
-    used.iter().filter(|u| !**u).count()
+    Ok(used.iter().filter(|u| !**u).count())
 }
 
 impl MeshReport {

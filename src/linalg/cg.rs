@@ -148,16 +148,9 @@ mod tests {
     fn an_observer_stops_the_solve() {
         let workers = Workers::caller_only();
         let stop = Stop { tolerance: 1e-12, max_iterations: 1000 };
-        let stopped =
-            solve(
-                &mut Laplacian,
-                &[1.0; 50],
-                stop,
-                &workers,
-                |i, _| {
-                    if i == 2 { Err(Error::Cancelled) } else { Ok(()) }
-                },
-            );
+        let stopped = solve(&mut Laplacian, &[1.0; 50], vec![0.0; 50], stop, &workers, |i, _| {
+            if i == 2 { Err(Error::Cancelled) } else { Ok(()) }
+        });
         assert_eq!(stopped.unwrap_err(), Error::Cancelled);
     }
 }

@@ -2,5 +2,7 @@
 //!
 //! Takes operators that can be applied to a vector; gives solutions with the residual that was reached, measured and not inferred.
 
+#![forbid(unsafe_code)]
+
 pub mod cg;
 pub mod vector;

@@ -102,7 +102,7 @@ mod tests {
     fn the_mode_without_sampled_energy_has_energy_here() {
         let n = 12;
         let gram = Gram::new(n, 1.0, n as f64);
-        let k: Vec<f64> = (0..n + 3).map(|i| (3f64.sqrt() - 2.0).powi(i)).collect();
+        let k: Vec<f64> = (0..n as i32 + 3).map(|i| (3f64.sqrt() - 2.0).powi(i)).collect();
         for i in 0..n {
             let knot_value: f64 = (0..4).map(|a| Weights::at(0.0).w[a] * k[i + a]).sum();
             assert!(knot_value.abs() < 1e-14, "the mode vanishes at knot {i}");

@@ -3,6 +3,9 @@
 //! Sums run over rows of four contiguous control points, so that each inner loop is one vector of four: per point 44 of them
 //! for value and gradient, 72 with the Hessian. Derivatives are with respect to coordinates in cells.
 
+// Index loops of fixed length are what the compiler unrolls into vectors, and read like the sums.
+#![allow(clippy::needless_range_loop)]
+
 use super::basis::{Weights, second};
 
 /// Where the 64 control points of a cell lie in the tensor.

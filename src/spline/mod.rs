@@ -17,6 +17,8 @@
 //!
 //! Tensors of control points are row-major, the last axis contiguous.
 
+#![forbid(unsafe_code)]
+
 pub mod axis;
 pub mod basis;
 pub mod gram;

@@ -126,7 +126,7 @@ fn every_form_reads_alike_packed_or_not() {
             let corners = |t: usize| mesh.corners(t);
             let expected = |t: usize| FACES[t].map(|i| POINTS[i as usize]);
             assert!((0..4).all(|t| corners(t) == expected(t)), "{format:?}: {mesh:?}");
-            let report = mesh.report();
+            let report = mesh.report().unwrap();
             assert!(report.closed && report.oriented && report.manifold && report.volume > 0.0);
         }
     }

@@ -1,0 +1,166 @@
+//! Shapes with closed forms, as meshes: closed, without degenerate triangles, normals outward.
+
+use super::Mesh;
+use super::vec3::{Vec3, add, normalized, scale};
+use crate::{Error, Result};
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// Subdivisions of [`sphere`] at most: 20 * 4^10 triangles are 21 million.
+const MAX_SUBDIVISIONS: u32 = 10;
+
+/// The box from `min` to `max`, two triangles a side.
+pub fn box_mesh(min: Vec3, max: Vec3) -> Result<Mesh> {
+    if let Some(axis) = (0..3).find(|&a| min[a].partial_cmp(&max[a]) != Some(std::cmp::Ordering::Less)) {
+        return Err(Error::InvalidArgument(format!(
+            "the box goes from {} to {} along axis {axis}; min < max is needed",
+            min[axis], max[axis]
+        )));
+    }
+    // Bit a of a corner's number says whether it lies at max along axis a.
+    let vertices = (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { min[a] } else { max[a] })).collect();
+    let quads: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    Mesh::new(vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+}
+
+/// An icosahedron whose triangles are cut in four `subdivisions` times, its vertices on the sphere around `center`:
+/// 20 * 4^subdivisions triangles.
+pub fn sphere(center: Vec3, radius: f64, subdivisions: u32) -> Result<Mesh> {
+    positive("radius", radius)?;
+    if subdivisions > MAX_SUBDIVISIONS {
+        return Err(Error::InvalidArgument(format!(
+            "{subdivisions} subdivisions of the sphere; at most {MAX_SUBDIVISIONS} are served"
+        )));
+    }
+    let (mut directions, mut triangles) = icosahedron();
+    for _ in 0..subdivisions {
+        triangles = quarter(&mut directions, &triangles);
+    }
+    let on_sphere = |&d: &Vec3| add(center, scale(radius, normalized(d).unwrap_or(d)));
+    Mesh::new(directions.iter().map(on_sphere).collect(), triangles)
+}
+
+/// The torus around the z axis: a tube of radius `minor` whose centre runs at distance `major`, as `n_major` x `n_minor`
+/// quadrilaterals of two triangles each.
+pub fn torus(major: f64, minor: f64, n_major: usize, n_minor: usize) -> Result<Mesh> {
+    positive("minor radius", minor)?;
+    positive("major radius less the minor", major - minor)?;
+    if n_major < 3 || n_minor < 3 || n_major.saturating_mul(n_minor) > i32::MAX as usize {
+        return Err(Error::InvalidArgument(format!(
+            "a torus of {n_major} x {n_minor} quadrilaterals; at least 3 x 3 and at most 2^31 - 1 in all are served"
+        )));
+    }
+    let vertex = |i: usize, j: usize| {
+        let (sin_u, cos_u) = (TAU * i as f64 / n_major as f64).sin_cos();
+        let (sin_v, cos_v) = (TAU * j as f64 / n_minor as f64).sin_cos();
+        let ring = major + minor * cos_v;
+        [ring * cos_u, ring * sin_u, minor * sin_v]
+    };
+    let index = |i: usize, j: usize| (i % n_major * n_minor + j % n_minor) as u32;
+    let cells = || (0..n_major).flat_map(|i| (0..n_minor).map(move |j| (i, j)));
+    let quad = |(i, j)| {
+        let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    Mesh::new(cells().map(|(i, j)| vertex(i, j)).collect(), cells().flat_map(quad).collect())
+}
+
+fn positive(what: &str, x: f64) -> Result<()> {
+    if x > 0.0 && x.is_finite() {
+        return Ok(());
+    }
+    Err(Error::InvalidArgument(format!("the {what} is {x}; a finite number above 0 is needed")))
+}
+
+/// Directions of the 12 vertices, from three golden rectangles, and the 20 triangles.
+fn icosahedron() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let g = 0.5 * (1.0 + 5.0_f64.sqrt());
+    let vertices = vec![
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
+    ];
+    #[rustfmt::skip]
+    let triangles = vec![
+        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11],
+        [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
+        [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9],
+        [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+    ];
+    (vertices, triangles)
+}
+
+/// Each triangle cut in four at the middles of its edges, which are pushed out to the unit sphere and shared by neighbours.
+fn quarter(directions: &mut Vec<Vec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            let on_unit = |v: u32| normalized(directions[v as usize]).unwrap_or_default();
+            directions.push(add(on_unit(a), on_unit(b)));
+            directions.len() as u32 - 1
+        })
+    };
+    let mut quarters = Vec::with_capacity(4 * triangles.len());
+    for &[a, b, c] in triangles {
+        let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+        quarters.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+    }
+    quarters
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::vec3::dot;
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Volume inside, by the divergence theorem: positive when normals point outward.
+    fn volume(mesh: &Mesh) -> f64 {
+        (0..mesh.triangles().len()).map(|t| dot(mesh.corners(t)[0], mesh.area_normal(t)) / 6.0).sum()
+    }
+
+    /// Every edge is used once in each direction.
+    fn is_closed(mesh: &Mesh) -> bool {
+        let mut edges: Vec<(u32, u32)> =
+            mesh.triangles().iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+        edges.sort_unstable();
+        edges.windows(2).all(|w| w[0] != w[1]) && edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok())
+    }
+
+    #[test]
+    fn shapes_are_closed_and_have_their_volumes() {
+        let cube = box_mesh([0.0, -1.0, 2.0], [1.0, 1.0, 5.0]).unwrap();
+        assert!(is_closed(&cube));
+        assert!((volume(&cube) - 6.0).abs() < 1e-14);
+        for k in 0..4 {
+            let ball = sphere([1.0, 2.0, 3.0], 2.0, k).unwrap();
+            assert!(is_closed(&ball));
+            assert_eq!(ball.triangles().len(), 20 << (2 * k));
+            // An inscribed polyhedron falls short by less than its sagitta, which each cut divides by four.
+            let missing = 1.0 - volume(&ball) / (PI * 32.0 / 3.0);
+            assert!(missing > 0.0 && missing < 0.6 / f64::from(1 << (2 * k)), "{k}: {missing}");
+        }
+        let ring = torus(3.0, 1.0, 100, 60).unwrap();
+        assert!(is_closed(&ring));
+        assert!((volume(&ring) / (6.0 * PI * PI) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn refuses_shapes_without_inside() {
+        assert!(box_mesh([0.0; 3], [1.0, 0.0, 1.0]).is_err());
+        assert!(box_mesh([0.0; 3], [1.0, f64::NAN, 1.0]).is_err());
+        assert!(sphere([0.0; 3], 0.0, 1).is_err());
+        assert!(sphere([0.0; 3], 1.0, 11).is_err());
+        assert!(torus(1.0, 1.0, 8, 8).is_err());
+        assert!(torus(2.0, 1.0, 2, 8).is_err());
+    }
+}

@@ -1,0 +1,162 @@
+//! One triangle and one point: closest point and solid angle.
+
+use super::vec3::{Vec3, add, cross, dot, norm, scale, sub};
+
+/// A triangle is a needle when the squared sine of its angle at the first corner is below this: errors grow by its inverse.
+const NEEDLE_SINE_SQUARED: f64 = 1e-3;
+
+/// The closest point of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Closest {
+    pub distance_squared: f64,
+    /// Not negative, of sum 1.
+    pub barycentric: [f64; 3],
+}
+
+impl Closest {
+    /// The point with these coordinates along the edges from the first corner, `ap` leading from there to the query.
+    #[inline]
+    fn at(v: f64, w: f64, [ab, ac, ap]: [Vec3; 3]) -> Self {
+        let d = sub(ap, add(scale(v, ab), scale(w, ac)));
+        Closest { distance_squared: dot(d, d), barycentric: [1.0 - v - w, v, w] }
+    }
+}
+
+/// The point of triangle (a, b, c) closest to p, by the Voronoi regions of its corners, edges and inside: Ericson, "Real-time
+/// collision detection" (2005), section 5.1.5, its names. We depart in that everything is told from p - a: his vc = d1 d4 - d3 d2
+/// is m00 d2 - m01 d1, which is cheaper, and linear in p, so that it keeps its figures when p is far.
+#[inline]
+pub(super) fn closest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Closest {
+    let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
+    let edges = [ab, ac, ap];
+    let (m00, m01, m11) = (dot(ab, ab), dot(ab, ac), dot(ac, ac));
+    let nn = m00 * m11 - m01 * m01;
+    if nn <= NEEDLE_SINE_SQUARED * m00 * m11 {
+        return closest_on_needle(edges);
+    }
+    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return Closest::at(0.0, 0.0, edges);
+    }
+    let (d3, d4) = (d1 - m00, d2 - m01);
+    if d3 >= 0.0 && d4 <= d3 {
+        return Closest::at(1.0, 0.0, edges);
+    }
+    let (d5, d6) = (d1 - m01, d2 - m11);
+    if d6 >= 0.0 && d5 <= d6 {
+        return Closest::at(0.0, 1.0, edges);
+    }
+    let vc = m00 * d2 - m01 * d1;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return Closest::at(d1 / m00, 0.0, edges);
+    }
+    let vb = m11 * d1 - m01 * d2;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return Closest::at(0.0, d2 / m11, edges);
+    }
+    if vb + vc >= nn && d4 >= d3 && d5 >= d6 {
+        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return Closest::at(1.0 - w, w, edges);
+    }
+    let v = (vb / nn).clamp(0.0, 1.0);
+    Closest::at(v, (vc / nn).clamp(0.0, 1.0 - v), edges)
+}
+
+/// The same for a triangle of little or no height: the best of its edges and of the point below p. Each candidate is a point of
+/// the triangle, so an ill-determined one does no harm.
+#[cold]
+fn closest_on_needle(edges: [Vec3; 3]) -> Closest {
+    let [ab, ac, ap] = edges;
+    let n = cross(ab, ac);
+    let (bc, bp) = (sub(ac, ab), sub(ap, ab));
+    let along = |e: Vec3, q: Vec3| {
+        let length_squared = dot(e, e);
+        if length_squared > 0.0 { (dot(e, q) / length_squared).clamp(0.0, 1.0) } else { 0.0 }
+    };
+    let (v_ab, w_ac, w_bc) = (along(ab, ap), along(ac, ap), along(bc, bp));
+    let mut candidates = [[v_ab, 0.0], [0.0, w_ac], [1.0 - w_bc, w_bc], [0.0, 0.0]];
+    let nn = dot(n, n);
+    if nn > 0.0 {
+        let v = (dot(n, cross(ap, ac)) / nn).clamp(0.0, 1.0);
+        candidates[3] = [v, (dot(n, cross(ab, ap)) / nn).clamp(0.0, 1.0 - v)];
+    }
+    let [first, rest @ ..] = candidates.map(|[v, w]| Closest::at(v, w, edges));
+    rest.into_iter().fold(first, |best, c| if c.distance_squared < best.distance_squared { c } else { best })
+}
+
+/// Solid angle of triangle (a, b, c) seen from p, positive from behind: van Oosterom and Strackee, "The solid angle of a plane
+/// triangle" (1983), equation (8). The triple product is taken with the edges, so that it keeps its figures when p is far.
+pub(super) fn solid_angle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> f64 {
+    let n = cross(sub(b, a), sub(c, a));
+    let (a, b, c) = (sub(a, p), sub(b, p), sub(c, p));
+    let (la, lb, lc) = (norm(a), norm(b), norm(c));
+    2.0 * dot(a, n).atan2(la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::SplitMix64;
+    use super::*;
+    use std::f64::consts::PI;
+
+    fn random_point(random: &mut SplitMix64, size: f64) -> Vec3 {
+        [random.between(-size, size), random.between(-size, size), random.between(-size, size)]
+    }
+
+    /// The least distance over a fine lattice of points of the triangle.
+    fn lattice_distance(p: Vec3, [a, b, c]: &[Vec3; 3], n: i32) -> f64 {
+        let mut least = f64::INFINITY;
+        for i in 0..=n {
+            for j in 0..=n - i {
+                let (v, w) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+                let q = add(*a, add(scale(v, sub(*b, *a)), scale(w, sub(*c, *a))));
+                least = least.min(norm(sub(p, q)));
+            }
+        }
+        least
+    }
+
+    #[test]
+    fn closest_is_no_farther_than_any_point_and_lies_on_the_triangle() {
+        let mut random = SplitMix64::new(1);
+        for k in 0..600 {
+            let [a, b, mut c] = std::array::from_fn(|_| random_point(&mut random, 1.0));
+            // Every third is a needle, every sixth a line, some a point.
+            if k % 3 == 0 {
+                let height = if k % 6 == 0 { 0.0 } else { 1e-5 };
+                c = add(add(a, scale(random.between(-1.0, 2.0), sub(b, a))), [height; 3]);
+            }
+            let corners = if k % 18 == 0 { [a; 3] } else { [a, b, c] };
+            let p = random_point(&mut random, 2.0);
+            let found = closest(p, &corners);
+            let distance = found.distance_squared.sqrt();
+            let [u, v, w] = found.barycentric;
+            let q = add(add(scale(u, corners[0]), scale(v, corners[1])), scale(w, corners[2]));
+            assert!((norm(sub(p, q)) - distance).abs() < 1e-14);
+            assert!(u >= -1e-15 && v >= 0.0 && w >= 0.0);
+            let reference = lattice_distance(p, &corners, 60);
+            assert!(distance <= reference + 1e-14 && distance > reference - 0.06, "{k}: {distance} {reference}");
+        }
+    }
+
+    #[test]
+    fn corners_are_at_distance_zero_to_the_bit() {
+        let mut random = SplitMix64::new(2);
+        for _ in 0..1000 {
+            let corners: [Vec3; 3] = std::array::from_fn(|_| random_point(&mut random, 1.0));
+            for p in corners {
+                assert_eq!(closest(p, &corners).distance_squared, 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn solid_angle_of_an_octant_is_half_pi() {
+        let octant = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert!((solid_angle([0.0; 3], &octant) - 0.5 * PI).abs() < 1e-15);
+        assert_eq!(solid_angle([1.0, 0.0, 0.0], &octant), 0.0);
+        // From afar, behind: area times cosine by squared distance.
+        let far = solid_angle([-1e6; 3], &octant) * 3e12 / (0.5 * 3.0_f64.sqrt());
+        assert!((far - 1.0).abs() < 1e-5, "{far}");
+    }
+}

@@ -1,0 +1,222 @@
+//! Generalised winding number of a triangle mesh: Jacobson, Kavan and Sorkine-Hornung, "Robust inside-outside segmentation using
+//! generalized winding numbers" (2013); fast by Barill, Dickson, Schmidt, Levin and Jacobson, "Fast winding numbers for soups and
+//! clouds" (2018).
+//!
+//! Notation: w winding number, q query, r = c - q with R = |r|, c a node's centre, A n area and unit normal of its triangles.
+//!
+//! | | there | here |
+//! |---|---|---|
+//! | 2013 | w = sum of solid angles / 4 pi | [`Winding::exact`] |
+//! | 2018 | Taylor expansion to the first order | [`Moments::far_field`] |
+//! | 2018 | its use from beta radii on | [`Winding::approximate`] |
+//!
+//! A side is decided by w < 1/2. Where the expansion is not clear of 1/2, it is refined, and at last replaced by the exact sum.
+
+use super::bvh::{Bvh, STACK_SIZE};
+use super::triangle::solid_angle;
+use super::vec3::{Vec3, add, cross, dot, norm, scale, sub};
+use crate::Result;
+use crate::error::try_vec;
+use std::f64::consts::PI;
+
+/// A pass of the decision: far fields are used from `beta` radii on, and trusted when w is `margin` away from 1/2.
+struct Pass {
+    beta: f64,
+    margin: f64,
+}
+
+const PASSES: [Pass; 2] = [Pass { beta: 2.0, margin: 0.2 }, Pass { beta: 6.0, margin: 0.02 }];
+
+/// Side of a point: where the mesh's normals point to, or behind them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// w < 1/2
+    Outside,
+    /// w >= 1/2
+    Inside,
+}
+
+/// The triangles below a node, seen from afar.
+#[derive(Debug, Clone, Copy)]
+struct Moments {
+    /// c: the mean of the triangles' centroids by area.
+    center: Vec3,
+    /// Of a sphere around c that holds the node's box.
+    radius_squared: f64,
+    /// Sum of A n.
+    dipole: Vec3,
+    /// Symmetric part of the sum of A n (x - c)^T, x a triangle's centroid: xx yy zz, xy yz zx.
+    quadrupole: [f64; 6],
+    /// Sum of A.
+    area: f64,
+}
+
+/// Winding numbers of the triangles of a tree.
+#[derive(Debug)]
+pub(super) struct Winding {
+    /// One a node of the tree.
+    moments: Vec<Moments>,
+}
+
+impl Winding {
+    /// `corners` are in the tree's order.
+    pub fn new(tree: &Bvh, corners: &[[Vec3; 3]]) -> Result<Self> {
+        let nothing =
+            Moments { center: [0.0; 3], radius_squared: 0.0, dipole: [0.0; 3], quadrupole: [0.0; 6], area: 0.0 };
+        let mut moments = try_vec(tree.nodes.len(), nothing, "the far fields")?;
+        // Children come after their parents.
+        for (i, node) in tree.nodes.iter().enumerate().rev() {
+            let middle = node.bounds.center();
+            moments[i] = match node.leaf() {
+                Some(range) => Moments::sum(corners[range].iter().map(Moments::of_triangle), middle),
+                None => Moments::sum(node.children().iter().map(|&child| moments[child]), middle),
+            };
+            let c = moments[i].center;
+            let farthest = |a: usize| (node.bounds.max[a] - c[a]).max(c[a] - node.bounds.min[a]);
+            moments[i].radius_squared = (0..3).map(|a| farthest(a) * farthest(a)).sum();
+        }
+        Ok(Winding { moments })
+    }
+
+    /// The side of `q`.
+    pub fn side(&self, tree: &Bvh, corners: &[[Vec3; 3]], q: Vec3) -> Side {
+        let passes = PASSES.iter().map(|pass| (self.approximate(tree, corners, q, pass.beta), pass.margin));
+        let clear = passes.into_iter().find(|(w, margin)| (w - 0.5).abs() > *margin);
+        let w = clear.map_or_else(|| Winding::exact(corners, q), |(w, _)| w);
+        if w < 0.5 { Side::Outside } else { Side::Inside }
+    }
+
+    /// w by the sum over all triangles.
+    pub fn exact(corners: &[[Vec3; 3]], q: Vec3) -> f64 {
+        corners.iter().map(|t| solid_angle(q, t)).sum::<f64>() / (4.0 * PI)
+    }
+
+    /// w with far fields in place of nodes farther away than `beta` times their radius.
+    pub fn approximate(&self, tree: &Bvh, corners: &[[Vec3; 3]], q: Vec3, beta: f64) -> f64 {
+        let mut stack = [0; STACK_SIZE];
+        let mut depth = 1;
+        let mut sum = 0.0;
+        while depth > 0 {
+            depth -= 1;
+            let node = stack[depth];
+            let moments = &self.moments[node];
+            let r = sub(moments.center, q);
+            let r_squared = dot(r, r);
+            if r_squared > beta * beta * moments.radius_squared {
+                sum += moments.far_field(r, r_squared);
+            } else if let Some(range) = tree.nodes[node].leaf() {
+                sum += corners[range].iter().map(|t| solid_angle(q, t)).sum::<f64>();
+            } else {
+                stack[depth..depth + 2].copy_from_slice(&tree.nodes[node].children());
+                depth += 2;
+            }
+        }
+        sum / (4.0 * PI)
+    }
+}
+
+impl Moments {
+    fn of_triangle(&[a, b, c]: &[Vec3; 3]) -> Self {
+        let dipole = scale(0.5, cross(sub(b, a), sub(c, a)));
+        let center = scale(1.0 / 3.0, add(add(a, b), c));
+        Moments { center, radius_squared: 0.0, dipole, quadrupole: [0.0; 6], area: norm(dipole) }
+    }
+
+    /// The moments of all `parts` about their common centre; `middle` when they have no area.
+    fn sum(parts: impl Iterator<Item = Moments> + Clone, middle: Vec3) -> Self {
+        let area: f64 = parts.clone().map(|m| m.area).sum();
+        let weighted = parts.clone().fold([0.0; 3], |c, m| add(c, scale(m.area, m.center)));
+        let center = if area > 0.0 { scale(1.0 / area, weighted) } else { middle };
+        let zero = Moments { center, radius_squared: 0.0, dipole: [0.0; 3], quadrupole: [0.0; 6], area };
+        parts.fold(zero, |sum, m| {
+            let (n, d) = (m.dipole, sub(m.center, center));
+            let shift = |a: usize, b: usize| 0.5 * (n[a] * d[b] + n[b] * d[a]);
+            let shifts = [shift(0, 0), shift(1, 1), shift(2, 2), shift(0, 1), shift(1, 2), shift(2, 0)];
+            Moments {
+                dipole: add(sum.dipole, n),
+                quadrupole: std::array::from_fn(|k| sum.quadrupole[k] + m.quadrupole[k] + shifts[k]),
+                ..sum
+            }
+        })
+    }
+
+    /// 4 pi w: (N . r) / R^3 + tr(M) / R^3 - 3 r^T M r / R^5, N the dipole and M the quadrupole. By the direction r / R, so that
+    /// no power of R overflows.
+    fn far_field(&self, r: Vec3, r_squared: f64) -> f64 {
+        let inverse = 1.0 / r_squared.sqrt();
+        let [x, y, z] = scale(inverse, r);
+        let [xx, yy, zz, xy, yz, zx] = self.quadrupole;
+        let squares = xx * x * x + yy * y * y + zz * z * z;
+        let products = 2.0 * (xy * x * y + yz * y * z + zx * z * x);
+        let second = xx + yy + zz - 3.0 * (squares + products);
+        (dot(self.dipole, [x, y, z]) + second * inverse) * inverse * inverse
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Mesh;
+    use super::super::random::SplitMix64;
+    use super::super::shapes::{sphere, torus};
+    use super::*;
+
+    struct Prepared {
+        tree: Bvh,
+        corners: Vec<[Vec3; 3]>,
+        winding: Winding,
+    }
+
+    fn prepare(mesh: &Mesh) -> Prepared {
+        let tree = Bvh::new(mesh).unwrap();
+        let corners: Vec<_> = tree.order.iter().map(|&t| mesh.corners(t as usize)).collect();
+        let winding = Winding::new(&tree, &corners).unwrap();
+        Prepared { tree, corners, winding }
+    }
+
+    /// The largest error of the expansion over points in a box twice the mesh's.
+    fn worst_error(mesh: &Mesh, beta: f64) -> f64 {
+        let Prepared { tree, corners, winding } = prepare(mesh);
+        let bounds = mesh.bounds();
+        let mut random = SplitMix64::new(3);
+        (0..2000).fold(0.0, |worst: f64, _| {
+            let q = std::array::from_fn(|a| bounds.center()[a] + bounds.extents()[a] * random.between(-1.0, 1.0));
+            worst.max((winding.approximate(&tree, &corners, q, beta) - Winding::exact(&corners, q)).abs())
+        })
+    }
+
+    #[test]
+    fn closed_meshes_have_winding_number_one_inside_and_zero_outside() {
+        let ring = prepare(&torus(3.0, 1.0, 40, 30).unwrap());
+        for (q, w) in [([3.0, 0.0, 0.2], 1.0), ([0.0; 3], 0.0), ([3.0, 0.0, 1.5], 0.0), ([1e6, 1e6, 0.0], 0.0)] {
+            assert!((Winding::exact(&ring.corners, q) - w).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn errors_of_the_expansion_stay_within_half_the_margins() {
+        for mesh in
+            [torus(3.0, 1.0, 60, 40).unwrap(), torus(3.0, 0.1, 60, 8).unwrap(), sphere([0.0; 3], 1.0, 4).unwrap()]
+        {
+            for pass in &PASSES {
+                let worst = worst_error(&mesh, pass.beta);
+                assert!(worst < 0.5 * pass.margin, "beta {}: {worst}", pass.beta);
+            }
+        }
+    }
+
+    #[test]
+    fn the_expansion_is_of_the_second_order_in_the_distance() {
+        // Half a sphere has both moments; the first term left out falls by 2^4, or is small, when the distance doubles.
+        let ball = sphere([0.0; 3], 1.0, 4).unwrap();
+        let upper = |t: &[u32; 3]| t.iter().all(|&v| ball.vertices()[v as usize][0] > -1e-9);
+        let triangles = ball.triangles().iter().copied().filter(upper).collect();
+        let half = prepare(&Mesh::new(ball.vertices().to_vec(), triangles).unwrap());
+        let error = |distance: f64| {
+            let q = scale(distance, [0.48, 0.6, 0.64]);
+            let [near, far] = [0.0, 1e9].map(|beta| half.winding.approximate(&half.tree, &half.corners, q, beta));
+            (near - far).abs()
+        };
+        let ratio = error(10.0) / error(20.0);
+        assert!(ratio > 14.0, "{ratio}");
+    }
+}
