@@ -219,13 +219,18 @@ typedef struct ko_fit_options {
      */
     double margin;
     /**
-     * lambda_n of (10): weight of the normals. Default 1e-3.
+     * lambda_n of (10): weight of the normals. Default 1e-4.
      */
     double lambda_normal;
     /**
-     * lambda_r of (10): weight of the smoothness. Default 1e-11.
+     * lambda_r of (10): weight of the smoothness. Default 3e-10.
      */
     double lambda_smooth;
+    /**
+     * Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
+     * units of D. It keeps the sign right far from the data. 0: none, the paper's fit. Default 10.
+     */
+    double distance_weight;
     /**
      * Relative residual of the solve to reach. Default 1e-4.
      */

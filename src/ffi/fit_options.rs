@@ -30,10 +30,13 @@ pub struct ko_fit_options {
     pub reweightings: u32,
     /// How much longer than the cloud the box is along each axis. Default 0.15: 1.15 times the extents.
     pub margin: f64,
-    /// lambda_n of (10): weight of the normals. Default 1e-3.
+    /// lambda_n of (10): weight of the normals. Default 1e-4.
     pub lambda_normal: f64,
-    /// lambda_r of (10): weight of the smoothness. Default 1e-11.
+    /// lambda_r of (10): weight of the smoothness. Default 3e-10.
     pub lambda_smooth: f64,
+    /// Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
+    /// units of D. It keeps the sign right far from the data. 0: none, the paper's fit. Default 10.
+    pub distance_weight: f64,
     /// Relative residual of the solve to reach. Default 1e-4.
     pub tolerance: f64,
     /// KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where phi > 0.
@@ -56,7 +59,7 @@ pub struct ko_fit_options {
 // `progress` may be any address, as in C, and is only ever called as the caller promised.
 unsafe impl Sized_ for ko_fit_options {}
 
-const _: () = assert!(size_of::<ko_fit_options>() == 2 * size_of::<usize>() + 72 + size_of::<ko_progress>());
+const _: () = assert!(size_of::<ko_fit_options>() == 2 * size_of::<usize>() + 80 + size_of::<ko_progress>());
 
 /// Fills `options` with the defaults. `struct_size` is sizeof *options.
 ///
@@ -79,6 +82,7 @@ impl ko_fit_options {
             margin: d.margin,
             lambda_normal: d.normal_weight,
             lambda_smooth: d.smooth_weight,
+            distance_weight: d.distance_weight,
             tolerance: d.tolerance,
             feasible: KO_FEASIBLE_OUTSIDE,
             max_iterations: d.max_iterations,
@@ -121,6 +125,7 @@ impl ko_fit_options {
             margin: self.margin,
             normal_weight: self.lambda_normal,
             smooth_weight: self.lambda_smooth,
+            distance_weight: self.distance_weight,
             reweightings: self.reweightings,
             feasible,
             tolerance: self.tolerance,

@@ -76,7 +76,7 @@ mod tests {
                 let grid = grid(&bounds(extents), 0.15, [0; 3], target).unwrap();
                 assert!(grid.n_control() <= target);
                 if target >= 24_800 {
-                    assert!(grid.n_control() as f64 > 0.85 * target as f64, "{} of {target}", grid.n_control());
+                    assert!(grid.n_control() as f64 > 0.8 * target as f64, "{} of {target}", grid.n_control());
                     let shortest = grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
                     assert!(grid.longest_cell() < 1.4 * shortest);
                 }

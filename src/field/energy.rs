@@ -1,9 +1,11 @@
 //! The energy that a field minimises, paper 000 (10), as a quadratic form on the control points of one grid.
 //!
-//! f(c) = (1/N) sum phi(p)^2 + (lambda_n/N) sum |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV, all in units of D;
+//! f(c) = (1/N) sum phi(p)^2 + (lambda_n/N) sum |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV
+//! + lambda_d E_d, (9) kept away from the surface: see [`distance`](super::distance). All in units of D;
 //! s is +1 where the design may be outside and -1 where it may be inside. Half its gradient is A c - b.
 
 use super::data::{Data, DataTerm};
+use super::distance::{DistanceTerm, FarDistances};
 use super::smoothness::Smoothness;
 use crate::Result;
 use crate::error::try_vec;
@@ -29,6 +31,8 @@ pub struct Energy {
     weights: EnergyWeights,
     data: DataTerm,
     smoothness: Smoothness,
+    /// `None` where the energy is the paper's.
+    distance: Option<DistanceTerm>,
 }
 
 impl Energy {
@@ -36,7 +40,15 @@ impl Energy {
     pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Self {
         let extent = grid.axes.map(|a| a.n_cells as f64);
         let data = DataTerm::new(data, grid, weights.normal);
-        Energy { grid, extent, weights, data, smoothness: Smoothness::new(&grid, extent, weights.smooth) }
+        let smoothness = Smoothness::new(&grid, extent, weights.smooth);
+        Energy { grid, extent, weights, data, smoothness, distance: None }
+    }
+
+    /// The form with the distance term for `far`, with weight `relative` lambda_r / h^4.
+    pub fn with_distances(mut self, far: &FarDistances, relative: f64) -> Result<Self> {
+        let lambda_d = relative * self.weights.smooth / self.grid.longest_cell().powi(4);
+        self.distance = Some(DistanceTerm::new(far, &self.grid, lambda_d)?);
+        Ok(self)
     }
 
     /// The form on cells twice as long over the same box. Splines there are splines here, so the regularisation is its Galerkin
@@ -47,12 +59,13 @@ impl Energy {
         let grid = Grid { axes };
         let extent = self.extent.map(|e| 0.5 * e);
         let smoothness = Smoothness::new(&grid, extent, self.weights.smooth);
-        Ok(Energy { grid, extent, weights: self.weights, data: self.data.coarser(grid)?, smoothness })
+        let distance = self.distance.as_ref().map(|d| d.coarser(&self.grid, &grid)).transpose()?;
+        Ok(Energy { grid, extent, weights: self.weights, data: self.data.coarser(grid)?, smoothness, distance })
     }
 
-    /// Cells along each axis.
-    pub fn n_cells(&self) -> [usize; 3] {
-        self.grid.axes.map(|a| a.n_cells)
+    /// The grid, in units of D.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
     }
 
     /// Takes the memory that applying the form works in.
@@ -80,18 +93,30 @@ impl Energy {
         self.data.reweight(factors);
     }
 
-    /// b, for gradients `sign` n at the points; the points of the data are those of `normals` [N x 3] in `order`.
-    pub fn right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64) -> Result<Vec<f64>> {
+    /// b, for gradients `sign` n at the points, those of `normals` [N x 3] in `order`, and distances `sign` d at the far cells.
+    pub fn right_hand_side(
+        &mut self,
+        workers: &Workers,
+        (normals, order): (&[Vec3], &[u32]),
+        far: Option<&FarDistances>,
+        sign: f64,
+    ) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
         self.data.add_right_hand_side(workers, normals, order, sign, &mut b);
+        if let (Some(term), Some(far)) = (&mut self.distance, far) {
+            term.add_right_hand_side(far, sign, &mut b);
+        }
         Ok(b)
     }
 
     /// The diagonal of A.
-    pub fn diagonal(&self, workers: &Workers) -> Result<Vec<f64>> {
+    pub fn diagonal(&mut self, workers: &Workers) -> Result<Vec<f64>> {
         let mut d = try_vec(self.grid.n_control(), 0.0, "the diagonal")?;
         self.smoothness.add_diagonal(&mut d);
         self.data.add_diagonal(workers, &mut d);
+        if let Some(distance) = &mut self.distance {
+            distance.add_diagonal(&mut d);
+        }
         Ok(d)
     }
 
@@ -99,5 +124,8 @@ impl Energy {
     pub fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
         self.smoothness.apply(workers, x, y);
         self.data.apply(workers, x, y);
+        if let Some(distance) = &mut self.distance {
+            distance.apply(x, y);
+        }
     }
 }

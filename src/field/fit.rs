@@ -1,11 +1,12 @@
 //! The fit: paper 000's Algorithm 1, steps 2 to 4.
 
 use super::data::Data;
+use super::distance::FarDistances;
 use super::energy::Energy;
 use super::multilevel::Multilevel;
 use super::{Field, FitOptions, FitReport, domain, reweight};
 use crate::Result;
-use crate::error::{Error, try_vec};
+use crate::error::{Error, try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::linalg::cg::{self, Stop};
 use crate::par::Workers;
@@ -46,8 +47,19 @@ impl Field {
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
         progress.tell(0.0, "assembly")?;
         let (data, order) = Data::new(cloud, &grid)?;
-        let energy = Energy::new(data, in_units_of(&grid, d), options.weights());
-        let b = energy.right_hand_side(&workers, cloud.normals(), &order, options.feasible.sign())?;
+        let mut energy = Energy::new(data, in_units_of(&grid, d), options.weights());
+        let far = match options.distance_weight {
+            0.0 => None,
+            weight => {
+                progress.tell(0.01, "distances")?;
+                let far = FarDistances::new(&in_units_of_the_box(cloud, &grid, d)?, energy.grid(), &workers)?;
+                energy = energy.with_distances(&far, weight)?;
+                Some(far)
+            }
+        };
+        let sign = options.feasible.sign();
+        let b = energy.right_hand_side(&workers, (cloud.normals(), &order), far.as_ref(), sign)?;
+        drop((order, far));
         let mut system = Multilevel::new(energy, &workers)?;
         report.seconds_assembly = lap();
 
@@ -57,7 +69,7 @@ impl Field {
             if round > 0 {
                 system = reweighted(system, &x, &workers)?;
             }
-            let tolerance = if last { options.tolerance } else { options.tolerance.max(reweight::ROUGH_TOLERANCE) };
+            let tolerance = if last { options.tolerance } else { reweight::rough_tolerance(options.tolerance) };
             let max_iterations = options.max_iterations - report.iterations;
             let stop = Stop { tolerance, max_iterations: max_iterations as usize };
             let (solution, done) = cg::solve(&mut system, &b, x, stop, &workers, |_, residual| {
@@ -113,6 +125,15 @@ fn reweighted(system: Multilevel, x: &[f64], workers: &Workers) -> Result<Multil
     reweight::factors(&mut factors);
     energy.reweight(&factors);
     Multilevel::new(energy, workers)
+}
+
+/// The cloud in units of D, with the lower corner of the box as origin.
+fn in_units_of_the_box(cloud: &Cloud, grid: &Grid, d: f64) -> Result<Cloud> {
+    let mut points = try_with_capacity(cloud.len(), "the points in units of D")?;
+    points.extend(cloud.points().iter().map(|p| std::array::from_fn(|a| (p[a] - grid.axes[a].lower) / d)));
+    let mut normals = try_with_capacity(cloud.len(), "the normals")?;
+    normals.extend_from_slice(cloud.normals());
+    Cloud::new(points, normals)
 }
 
 /// The grid with its cells in units of D: what the energy sees.

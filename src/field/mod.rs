@@ -27,6 +27,7 @@
 
 pub mod beyond;
 pub mod data;
+pub mod distance;
 pub mod domain;
 pub mod energy;
 pub mod eval;

@@ -27,7 +27,7 @@ struct Level {
 }
 
 impl Level {
-    fn new(energy: &Energy, workers: &Workers) -> Result<Self> {
+    fn new(energy: &mut Energy, workers: &Workers) -> Result<Self> {
         let mut inverse_diagonal = energy.diagonal(workers)?;
         inverse_diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
         let residual = try_vec(inverse_diagonal.len(), 0.0, "a level of the preconditioner")?;
@@ -47,14 +47,14 @@ impl Multilevel {
     /// The system of `energy`, with grids down to two cells along the longest axis.
     pub fn new(mut energy: Energy, workers: &Workers) -> Result<Self> {
         energy.reserve()?;
-        let mut levels = vec![Level::new(&energy, workers)?];
+        let mut levels = vec![Level::new(&mut energy, workers)?];
         let n = levels[0].residual.len();
         let scratch = || try_vec(n, 0.0, "the work space of the preconditioner");
         let scratch = [scratch()?, scratch()?];
         let mut coarsest = energy.coarser()?;
         // Once no axis has more than one cell a coarser grid has the same functions.
         while levels.last().is_some_and(|l| l.shape.iter().any(|&n| n > 4)) {
-            levels.push(Level::new(&coarsest, workers)?);
+            levels.push(Level::new(&mut coarsest, workers)?);
             coarsest = coarsest.coarser()?;
         }
         Ok(Multilevel { energy, levels, scratch })

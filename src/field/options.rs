@@ -33,6 +33,9 @@ pub struct FitOptions {
     pub normal_weight: f64,
     /// lambda_r of (10).
     pub smooth_weight: f64,
+    /// Weight of the distance energy (9) away from the surface, in units of lambda_r / h^4, h the longest cell edge: see
+    /// [`distance`](super::distance). 0 is the paper's fit.
+    pub distance_weight: f64,
     /// Rounds in which points that the surface misses are weighted more, against the largest error: see [`reweight`](super::reweight).
     /// 0 is the paper's fit.
     pub reweightings: u32,
@@ -54,11 +57,12 @@ impl Default for FitOptions {
         FitOptions {
             control_points: [0; 3],
             margin: 0.15,
-            normal_weight: 1e-3,
-            smooth_weight: 1e-10,
+            normal_weight: 1e-4,
+            smooth_weight: 3e-10,
+            distance_weight: 10.0,
             reweightings: 3,
             feasible: Feasible::Outside,
-            tolerance: 1e-6,
+            tolerance: 1e-4,
             max_iterations: 20_000,
             n_threads: 0,
             memory_limit: 8 << 30,
@@ -86,6 +90,7 @@ impl FitOptions {
             ("margin", self.margin, 0.0, 100.0),
             ("lambda_normal", self.normal_weight, 1e-12, 1e12),
             ("lambda_smooth", self.smooth_weight, 1e-20, 1e12),
+            ("distance_weight", self.distance_weight, 0.0, 1e6),
             ("tolerance", self.tolerance, 1e-15, 0.5),
         ];
         for (name, value, low, high) in ranges {

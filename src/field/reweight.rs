@@ -6,7 +6,7 @@
 //! form: Rice and Usow 1968).
 
 /// A point counts for more from this many root-mean-square distances on.
-const TOLERATED: f64 = 2.0;
+const TOLERATED: f64 = 1.5;
 
 /// What one round may multiply a weight with.
 const LARGEST_FACTOR: f64 = 16.0;
@@ -14,8 +14,11 @@ const LARGEST_FACTOR: f64 = 16.0;
 /// |grad phi| below which a field is taken to be flat, so that |phi| / |grad phi| stays a distance.
 pub const FLATTEST: f64 = 0.1;
 
-/// Relative residual to which the rounds before the last are solved: enough to tell far points from near ones.
-pub const ROUGH_TOLERANCE: f64 = 1e-2;
+/// Relative residual to which the rounds before the last are solved, for one of `tolerance` at the end: enough to tell far points from
+/// near ones, yet tight where the caller asks for digits, since the weights that follow carry the error on.
+pub fn rough_tolerance(tolerance: f64) -> f64 {
+    (100.0 * tolerance).clamp(tolerance, 1e-2_f64.max(tolerance))
+}
 
 /// Turns distances [N] into the factors of the weights.
 pub fn factors(distances: &mut [f64]) {
@@ -25,8 +28,7 @@ pub fn factors(distances: &mut [f64]) {
         return;
     }
     for d in distances {
-        let excess = *d / (TOLERATED * rms);
-        *d = (excess * excess).clamp(1.0, LARGEST_FACTOR);
+        *d = (*d / (TOLERATED * rms)).clamp(1.0, LARGEST_FACTOR);
     }
 }
 

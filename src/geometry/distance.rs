@@ -93,6 +93,11 @@ impl DistanceTree {
         Ok(())
     }
 
+    /// Winding number of the mesh around `point`, to a few hundredths: the far fields of distant triangles stand for them.
+    pub fn winding_number(&self, point: Vec3) -> f64 {
+        self.winding.rough(&self.tree, &self.corners, self.query(point).point)
+    }
+
     fn signed_distance(&self, query: &Query) -> f64 {
         let (_, closest) = self.search(query.point);
         if closest.distance_squared == 0.0 {

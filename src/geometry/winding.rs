@@ -86,6 +86,11 @@ impl Winding {
         if w < 0.5 { Side::Outside } else { Side::Inside }
     }
 
+    /// w by the first pass.
+    pub fn rough(&self, tree: &Bvh, corners: &[[Vec3; 3]], q: Vec3) -> f64 {
+        self.approximate(tree, corners, q, PASSES[0].beta)
+    }
+
     /// w by the sum over all triangles.
     pub fn exact(corners: &[[Vec3; 3]], q: Vec3) -> f64 {
         corners.iter().map(|t| solid_angle(q, t)).sum::<f64>() / (4.0 * PI)

@@ -21,6 +21,7 @@
 
 pub mod axis;
 pub mod basis;
+pub mod centers;
 pub mod gram;
 pub mod kernel;
 pub mod twoscale;

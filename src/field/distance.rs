@@ -1,0 +1,125 @@
+//! The distance energy away from the surface, paper 000 (9): what keeps the sign right where no data is near.
+//!
+//! The Hessian energy alone goes on linearly from the data. Beyond a sharp edge of a thin part, where the true distance has a kink, it may so pass
+//! through zero again. The paper leaves (9) out because it makes phi oscillate; that is so near the surface, where distances
+//! taken from a cloud disagree with the data terms. So the term is kept to cells farther than an edge from the surface, and its weight is
+//! tied to that of the smoothness:
+//!
+//! ```text
+//! lambda_d = w lambda_r / h^4,   E_d = (1 / number of cells) sum over far cells of s (phi(x) - d(x))^2
+//! ```
+//!
+//! x a cell's centre, h the longest cell edge. phi then follows d over lengths above h / w^(1/4) and rounds its kinks below. d is
+//! the distance to the cloud's surfels, signed by their winding number W; s = (2 W - 1)^2 fades the term out where an open
+//! shape has no clear side.
+
+use crate::Result;
+use crate::error::try_vec;
+use crate::geometry::Cloud;
+use crate::geometry::vec3::Vec3;
+use crate::par::Workers;
+use crate::spline::Grid;
+use crate::spline::centers::{Centers, taps};
+
+/// Distance from the surface, in cells, from which on the term counts.
+const NEAREST: f64 = 1.0;
+
+/// Distances to hold far from the surface, a cell each.
+pub struct FarDistances {
+    /// s / number of cells, 0 for near cells [cells]
+    share: Vec<f64>,
+    /// d, in units of D [cells]
+    distance: Vec<f64>,
+}
+
+impl FarDistances {
+    /// The distances to `cloud`, positive outside, at the centres of the cells of `grid`; both in units of D.
+    pub fn new(cloud: &Cloud, grid: &Grid, workers: &Workers) -> Result<Self> {
+        const CHUNK: usize = 4096;
+        let n_cells = grid.axes.map(|a| a.n_cells);
+        let n = n_cells.iter().product();
+        let center = |c: usize| -> Vec3 {
+            let index = [c / (n_cells[1] * n_cells[2]), c / n_cells[2] % n_cells[1], c % n_cells[2]];
+            std::array::from_fn(|a| grid.axes[a].lower + (index[a] as f64 + 0.5) * grid.axes[a].cell)
+        };
+        let mut centers = try_vec(n, [0.0; 3], "the centres of the cells")?;
+        centers.iter_mut().enumerate().for_each(|(c, x)| *x = center(c));
+        let surfels = cloud.surfels()?;
+        let tree = surfels.distance_tree()?;
+        let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
+        let chunks = centers.chunks(CHUNK).zip(distance.chunks_mut(CHUNK)).zip(share.chunks_mut(CHUNK));
+        let nearest = NEAREST * grid.longest_cell();
+        let failed = std::sync::Mutex::new(None);
+        workers.for_each(chunks, |((centers, distance), share)| {
+            if let Err(error) = tree.signed_distances(centers, distance) {
+                failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(error);
+                return;
+            }
+            for ((x, _), s) in centers.iter().zip(distance).zip(share).filter(|((_, d), _)| d.abs() > nearest) {
+                let clear = 2.0 * tree.winding_number(*x) - 1.0;
+                *s = (clear * clear).min(1.0) / n as f64;
+            }
+        });
+        match failed.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
+            Some(error) => Err(error),
+            None => Ok(FarDistances { share, distance }),
+        }
+    }
+}
+
+/// The term on one grid: sum of mass (phi - d)^2 over the centres of cells.
+pub struct DistanceTerm {
+    centers: Centers,
+    /// lambda_d share [cells]
+    mass: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl DistanceTerm {
+    /// The term with weight `lambda_d` on `grid`.
+    pub fn new(far: &FarDistances, grid: &Grid, lambda_d: f64) -> Result<Self> {
+        let mut mass = try_vec(far.share.len(), 0.0, "the weights of the far distances")?;
+        mass.iter_mut().zip(&far.share).for_each(|(m, s)| *m = lambda_d * s);
+        DistanceTerm::of_mass(mass, grid)
+    }
+
+    fn of_mass(mass: Vec<f64>, grid: &Grid) -> Result<Self> {
+        let values = try_vec(mass.len(), 0.0, "the far values")?;
+        Ok(DistanceTerm { centers: Centers::new(grid)?, mass, values })
+    }
+
+    /// The term on `coarse`, whose cells are twice as long as those of `fine`: a cell has the mass of those in it.
+    pub fn coarser(&self, fine: &Grid, coarse: &Grid) -> Result<Self> {
+        let [cx, cy, cz] = fine.axes.map(|a| a.n_cells);
+        let n = coarse.axes.map(|a| a.n_cells);
+        let mut mass = try_vec(n.iter().product(), 0.0, "the weights of the far distances")?;
+        for i in 0..cx {
+            for j in 0..cy {
+                for k in 0..cz {
+                    mass[((i / 2) * n[1] + j / 2) * n[2] + k / 2] += self.mass[(i * cy + j) * cz + k];
+                }
+            }
+        }
+        DistanceTerm::of_mass(mass, coarse)
+    }
+
+    /// y += (the term's matrix) x
+    pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
+        self.centers.gather(&taps(), x, &mut self.values);
+        self.values.iter_mut().zip(&self.mass).for_each(|(v, m)| *v *= m);
+        self.centers.scatter(&taps(), &self.values, y);
+    }
+
+    /// y += the right-hand side that asks for `sign` d.
+    pub fn add_right_hand_side(&mut self, far: &FarDistances, sign: f64, y: &mut [f64]) {
+        for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&far.distance) {
+            *v = m * sign * d;
+        }
+        self.centers.scatter(&taps(), &self.values, y);
+    }
+
+    /// y += the diagonal of the term's matrix.
+    pub fn add_diagonal(&mut self, y: &mut [f64]) {
+        self.centers.scatter(&taps().map(|w| w * w), &self.mass, y);
+    }
+}

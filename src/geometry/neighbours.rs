@@ -1,0 +1,111 @@
+//! The nearest of many points.
+
+use super::Mesh;
+use super::bvh::{Bvh, STACK_SIZE};
+use super::vec3::{Vec3, dot, sub};
+use crate::Result;
+use crate::error::try_with_capacity;
+
+/// A neighbour and the square of its distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Neighbour {
+    /// Index of the point.
+    pub index: u32,
+    /// Squared distance to the query.
+    pub distance_squared: f64,
+}
+
+/// A tree over points, for nearest neighbours.
+#[derive(Debug)]
+pub struct Neighbours {
+    tree: Bvh,
+    /// In the tree's order.
+    points: Vec<Vec3>,
+}
+
+impl Neighbours {
+    /// The tree of `points` [n x 3], n > 0, all of a size whose squares are finite.
+    pub fn new(points: &[Vec3]) -> Result<Self> {
+        let mut vertices = try_with_capacity(points.len(), "the tree of points")?;
+        vertices.extend_from_slice(points);
+        let mut corners = try_with_capacity(points.len(), "the tree of points")?;
+        corners.extend((0..points.len() as u32).map(|i| [i; 3]));
+        let tree = Bvh::new(&Mesh::new(vertices, corners)?)?;
+        let mut in_order = try_with_capacity(points.len(), "the tree of points")?;
+        in_order.extend(tree.order.iter().map(|&i| points[i as usize]));
+        Ok(Neighbours { tree, points: in_order })
+    }
+
+    /// Fills `nearest` with the neighbours of `p` among the points that `accept` takes, nearest first, ties by index; gives how many there
+    /// are, fewer than asked for where no more are accepted.
+    pub fn nearest(&self, p: Vec3, accept: impl Fn(usize) -> bool, nearest: &mut [Neighbour]) -> usize {
+        let mut found = 0;
+        let mut stack = [(0, 0.0); STACK_SIZE];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let (node, box_distance) = stack[depth];
+            if found == nearest.len() && nearest.last().is_some_and(|n| box_distance > n.distance_squared) {
+                continue;
+            }
+            let Some(places) = self.tree.nodes[node].leaf() else {
+                let [a, b] = self.tree.nodes[node].children().map(|c| (c, self.tree.nodes[c].distance_squared(p)));
+                let (near, far) = if b.1 < a.1 { (b, a) } else { (a, b) };
+                stack[depth] = far;
+                stack[depth + 1] = near;
+                depth += 2;
+                continue;
+            };
+            for place in places {
+                let r = sub(self.points[place], p);
+                let candidate = Neighbour { index: self.tree.order[place], distance_squared: dot(r, r) };
+                if accept(candidate.index as usize) {
+                    found = insert(candidate, nearest, found);
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Puts `candidate` in its place among the first `found` of `nearest`, if it has one; gives how many there are then.
+fn insert(candidate: Neighbour, nearest: &mut [Neighbour], found: usize) -> usize {
+    let before = |n: &Neighbour| (n.distance_squared, n.index) < (candidate.distance_squared, candidate.index);
+    let place = nearest[..found].partition_point(before);
+    if place == nearest.len() {
+        return found;
+    }
+    let found = (found + 1).min(nearest.len());
+    nearest[place..found].rotate_right(1);
+    nearest[place] = candidate;
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::SplitMix64;
+    use super::*;
+
+    #[test]
+    fn agrees_with_sorting_all_points() {
+        let mut random = SplitMix64::new(1);
+        for n in [1, 2, 5, 300] {
+            // Few values a coordinate, so that there are ties and equal points.
+            let points: Vec<Vec3> = (0..n).map(|_| std::array::from_fn(|_| (random.unit() * 8.0).floor())).collect();
+            let tree = Neighbours::new(&points).unwrap();
+            for query in &points {
+                let even = |i: usize| i.is_multiple_of(2);
+                let mut expected: Vec<(f64, u32)> = (0..n)
+                    .filter(|&i| even(i))
+                    .map(|i| (dot(sub(points[i], *query), sub(points[i], *query)), i as u32))
+                    .collect();
+                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }; 7];
+                let found = tree.nearest(*query, even, &mut nearest);
+                assert_eq!(found, expected.len().min(7));
+                let got: Vec<(f64, u32)> = nearest[..found].iter().map(|n| (n.distance_squared, n.index)).collect();
+                assert_eq!(got, expected[..found]);
+            }
+        }
+    }
+}
