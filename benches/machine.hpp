@@ -7,6 +7,7 @@
 
 #include <CGAL/version.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <thread>
 
@@ -22,6 +23,8 @@ inline std::string cpu_model() {
 inline void print_machine() {
     print("machine_cpu", cpu_model());
     print_count("machine_cores", std::thread::hardware_concurrency());
+    double load = 0;
+    if (getloadavg(&load, 1) == 1) print("machine_load_of_last_minute", load);
     print("library_version", std::string(ko_version()));
     print("bench_compiler", std::string(BENCH_COMPILER));
     print("bench_flags", std::string(BENCH_FLAGS));

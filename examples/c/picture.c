@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LONGEST = 1000, MARGIN = 24, LEGEND = 150, BAR = 28 };
+enum { LONGEST = 1000, MARGIN = 24, LEGEND = 150, BAR = 28, LEAST_HEIGHT = 360 };
 
 struct colour {
     double red, green, blue; /* 0 to 255 */
@@ -97,7 +97,7 @@ static void draw_slice(struct picture *picture, const struct slice *slice, doubl
 static void draw_legend(struct picture *picture, const struct slice *slice, double spacing)
 {
     const int left = MARGIN + slice->width + MARGIN, top = MARGIN + 2 * TEXT_ROWS * TEXT_SCALE;
-    const int height = slice->height - 2 * TEXT_ROWS * TEXT_SCALE;
+    const int height = picture->height - MARGIN - top;
     const double per_row = (slice->max - slice->min) / height;
     draw_text(picture, left, MARGIN, "phi");
     for (int y = 0; y < height; ++y)
@@ -152,7 +152,8 @@ static bool write_png(const struct picture *picture, const char *path)
 
 static bool draw(const struct slice *slice, const char *path)
 {
-    struct picture picture = {slice->width + 2 * MARGIN + LEGEND, slice->height + 2 * MARGIN, NULL};
+    const int height = slice->height > LEAST_HEIGHT ? slice->height : LEAST_HEIGHT; /* the legend's labels need it */
+    struct picture picture = {slice->width + 2 * MARGIN + LEGEND, height + 2 * MARGIN, NULL};
     const size_t bytes = 3 * (size_t)picture.width * (size_t)picture.height;
     picture.pixels = malloc(bytes);
     if (picture.pixels == NULL) {

@@ -55,6 +55,8 @@ static void summarise(const double *gradients, size_t n, struct slice *slice)
         slice->min = fmin(slice->min, slice->values[i]);
         slice->max = fmax(slice->max, slice->values[i]);
     }
+    if (slice->max == slice->min)
+        slice->max += slice->pixel; /* a flat field has no range, and a legend needs one */
 }
 
 bool slice_take(const ko_field *field, const ko_fit_report *report, int longest, uint32_t n_threads, struct slice *slice)
