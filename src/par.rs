@@ -9,6 +9,9 @@ use rayon::prelude::*;
 /// Prefix of the names of the pool's threads.
 pub const THREAD_NAME: &str = "keepout";
 
+/// Threads that a call may ask for. Far more than help; asked for a thousand million, the pool would start tens of thousands of them.
+pub const MOST_THREADS: u32 = 1024;
+
 /// The threads of one call. Dropping it joins them.
 pub struct Workers {
     pool: Option<rayon::ThreadPool>,
@@ -17,6 +20,11 @@ pub struct Workers {
 impl Workers {
     /// `n_threads` threads: 0 for all cores, 1 for none but the caller's.
     pub fn new(n_threads: u32) -> Result<Self> {
+        if n_threads > MOST_THREADS {
+            return Err(Error::InvalidArgument(format!(
+                "n_threads is {n_threads}; it must be at most {MOST_THREADS}, and 0 takes all cores"
+            )));
+        }
         let n_threads = match n_threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             n => n as usize,

@@ -10,23 +10,26 @@ pub type ProgressFn<'a> = dyn FnMut(f64, &str) -> ControlFlow<()> + 'a;
 /// Hands progress to a caller who may not be listening.
 pub struct Progress<'a> {
     listener: Option<&'a mut ProgressFn<'a>>,
+    /// The largest fraction told: a residual may rise for a while, a bar must not fall.
+    told: f64,
 }
 
 impl<'a> Progress<'a> {
     /// Progress told to `listener`.
     pub fn new(listener: &'a mut ProgressFn<'a>) -> Self {
-        Progress { listener: Some(listener) }
+        Progress { listener: Some(listener), told: 0.0 }
     }
 
     /// Progress told to no one.
     pub fn silent() -> Self {
-        Progress { listener: None }
+        Progress { listener: None, told: 0.0 }
     }
 
-    /// Tells `fraction` done in `stage`; [`Error::Cancelled`] when the listener asks to stop.
+    /// Tells `fraction` done in `stage`, or the fraction told before where that is larger; [`Error::Cancelled`] when the listener asks to stop.
     pub fn tell(&mut self, fraction: f64, stage: &str) -> Result<()> {
+        self.told = self.told.max(fraction).min(1.0);
         if let Some(listener) = &mut self.listener
-            && listener(fraction.clamp(0.0, 1.0), stage).is_break()
+            && listener(self.told, stage).is_break()
         {
             return Err(Error::Cancelled);
         }

@@ -50,7 +50,7 @@ fn cells(extents: [f64; 3], control_points: [u32; 3], target: usize) -> [usize; 
             n => n as usize - 3,
         })
     };
-    let fits = |edge: f64| at(edge).iter().map(|n| n + 3).product::<usize>() <= target;
+    let fits = |edge: f64| at(edge).iter().map(|&n| n as u128 + 3).product::<u128>() <= target as u128;
     // Bisection on the edge, in fractions of the longest extent: the counts fall as it grows.
     let longest = extents.iter().fold(0.0, |m: f64, &e| m.max(e));
     let (mut fine, mut coarse) = (longest / 1024.0, longest);
