@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #ifdef __linux__
 #include <sched.h>
 #endif
@@ -14,6 +15,13 @@ template <class Work> double seconds(Work work) {
     const auto start = std::chrono::steady_clock::now();
     work();
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Processor seconds that `work` takes, all threads together: what is left of a time where other programs hold the cores.
+template <class Work> double processor_seconds(Work work) {
+    const std::clock_t start = std::clock();
+    work();
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
 // Keeps the calling thread on the core where it is, as long as this lives; elsewhere than on Linux it does nothing.
