@@ -1,27 +1,34 @@
 //! The field outside its box: a C2 continuation that grows like a distance.
 //!
-//! Along an axis, let t be the signed distance beyond a face (0 inside), s(t) = h tanh(t / h) and e = t - s(t). With P the boundary cell's
-//! polynomial, continued by at most one cell h, and e the vector of e over the axes,
+//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the cell's edge, s(t) = l tanh(t / l) and e = t - s(t). With P
+//! the boundary cell's polynomial, continued by at most l, and r = |e| over the axes,
 //!
 //! ```text
-//! phi(x) = P(x_face + s) + sigma |e|
+//! phi(x) = m + (P(x_face + s) - m) L^2 / (L^2 + r^2) + sigma r
 //! ```
 //!
-//! e starts as t^3 / (3 h^2), so phi is C2 across the faces; far away s stands still, and the gradient tends to sigma e / |e|, of
-//! length 1. sigma is the sign that phi has on all faces: for a closed shape +1 where the design may be outside, -1 where inside, so
-//! that |phi| does not fall on the way out. Where phi has both signs on the faces (an open shape that reaches the box) sigma =
-//! tanh(P / h), the sign of the clamped point made smooth: a sign itself would jump where P crosses 0.
+//! e starts as t^3 / (3 l^2), so phi is C2 across the faces. Far away s stands still and P gives way to m, its mean over the faces, on the scale of
+//! L, the box's diagonal; so the gradient tends to sigma e / r, of length 1. sigma is the sign that phi has on all faces: for a closed shape
+//! +1 where the design may be outside, -1 where inside, so that |phi| does not fall on the way out. Where phi has both signs on the faces
+//! (an open shape that reaches the box) m = 0 and sigma = tanh(P / h), h the longest cell edge: the sign of the clamped point made
+//! smooth, since a sign itself would jump where P crosses 0.
 
 use super::Field;
+use crate::geometry::vec3::norm;
 use crate::spline::kernel::Stencil;
 
-/// The sign with which |phi| grows outside the box.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FarSign {
-    /// phi has this sign on all faces of the box.
-    Fixed(f64),
-    /// phi has both signs there.
-    OfClampedPoint,
+/// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.
+const REACH: f64 = 0.25;
+
+/// How the field goes on outside its box.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Beyond {
+    /// sigma where phi has one sign on all faces, `None` where it has both.
+    pub sign: Option<f64>,
+    /// m
+    level: f64,
+    /// L
+    length: f64,
 }
 
 /// Value, gradient and Hessian (xx xy xz yy yz zz).
@@ -43,25 +50,51 @@ struct Bend {
 impl Field {
     /// The continuation at a point given in cells, outside the box along one axis at least.
     #[cold]
-    pub(super) fn beyond(&self, xi: [f64; 3]) -> Jet {
+    pub(super) fn continued(&self, xi: [f64; 3]) -> Jet {
         let mut bends = [Bend { ds: 1.0, ..Bend::default() }; 3];
         let mut bent = xi;
         for (a, axis) in self.grid.axes.iter().enumerate() {
             let face = xi[a].clamp(0.0, axis.n_cells as f64);
             if face != xi[a] {
                 let tau = xi[a] - face;
-                bends[a] = bend(tau, axis.cell);
-                bent[a] = face + tau.tanh();
+                bends[a] = bend(tau / REACH, REACH * axis.cell);
+                bent[a] = face + REACH * (tau / REACH).tanh();
             }
         }
+        let Beyond { sign, level, length } = self.beyond;
         let polynomial = self.bent_polynomial(bent, &bends);
-        let escape = length(&bends);
-        match self.far_sign {
-            FarSign::Fixed(sign) => sum(polynomial, escape, sign),
-            FarSign::OfClampedPoint => {
-                let sign = tanh_jet(polynomial, self.grid.longest_cell());
-                sum(polynomial, product(escape, sign), 1.0)
+        let r = escape(&bends);
+        let sigma = match sign {
+            Some(sign) => constant(sign),
+            None => tanh(polynomial, self.grid.longest_cell()),
+        };
+        let faded = product(sum(polynomial, constant(-level)), fading(r, length));
+        sum(constant(level), sum(faded, product(sigma, r)))
+    }
+
+    /// How a field of these control points goes on, from its values at the corners of all cells on the faces.
+    pub(super) fn look_at_faces(&self) -> Beyond {
+        let n = self.grid.axes.map(|a| a.n_cells);
+        let (mut positive, mut negative, mut total, mut count) = (false, false, 0.0, 0.0);
+        for i in 0..=n[0] {
+            for j in 0..=n[1] {
+                let inner = i > 0 && i < n[0] && j > 0 && j < n[1];
+                for k in (0..=n[2]).step_by(if inner { n[2] } else { 1 }) {
+                    let (stencil, u) = self.grid.stencil([i, j, k].map(|x| x as f64));
+                    let value = stencil.value(&self.coefficients, u);
+                    positive |= value > 0.0;
+                    negative |= value < 0.0;
+                    total += value;
+                    count += 1.0;
+                }
             }
+        }
+        let extents = self.grid.axes.map(|a| a.upper() - a.lower);
+        let length = norm(extents);
+        match (positive, negative) {
+            (true, true) => Beyond { sign: None, level: 0.0, length },
+            (false, false) => Beyond { sign: Some(self.feasible.sign()), level: 0.0, length },
+            (_, negative) => Beyond { sign: Some(if negative { -1.0 } else { 1.0 }), level: total / count, length },
         }
     }
 
@@ -81,8 +114,8 @@ impl Field {
     }
 }
 
-/// s(t) and e(t) = t - s(t) at t = `tau` h.
-fn bend(tau: f64, h: f64) -> Bend {
+/// s(t) and e(t) = t - s(t) at t = `tau` l.
+fn bend(tau: f64, l: f64) -> Bend {
     let tanh = tau.tanh();
     let t2 = tanh * tanh;
     // tau - tanh(tau) cancels for small tau; there its series is exact to rounding.
@@ -92,13 +125,13 @@ fn bend(tau: f64, h: f64) -> Bend {
     } else {
         tau - tanh
     };
-    // s' = sech^2, s'' = -2 tanh sech^2 / h; e' = 1 - s', e'' = -s''.
-    let dds = -2.0 * tanh * (1.0 - t2) / h;
-    Bend { ds: 1.0 - t2, dds, e: h * e, de: t2, dde: -dds }
+    // s' = sech^2, s'' = -2 tanh sech^2 / l; e' = 1 - s', e'' = -s''.
+    let dds = -2.0 * tanh * (1.0 - t2) / l;
+    Bend { ds: 1.0 - t2, dds, e: l * e, de: t2, dde: -dds }
 }
 
-/// Jet of |e|; zero, as its limit, where e is.
-fn length(bends: &[Bend; 3]) -> Jet {
+/// Jet of r = |e|; zero, as its limit, where e is.
+fn escape(bends: &[Bend; 3]) -> Jet {
     let largest = bends.iter().fold(0.0, |m: f64, b| m.max(b.e.abs()));
     if largest == 0.0 {
         return (0.0, [0.0; 3], [0.0; 6]);
@@ -115,13 +148,31 @@ fn length(bends: &[Bend; 3]) -> Jet {
     (length, gradient, hessian)
 }
 
-/// Jet of tanh(p / h).
-fn tanh_jet((value, g, h): Jet, scale: f64) -> Jet {
-    let tanh = (value / scale).tanh();
-    let first = (1.0 - tanh * tanh) / scale;
-    let second = -2.0 * tanh * first / scale;
+/// Jet of a constant.
+fn constant(value: f64) -> Jet {
+    (value, [0.0; 3], [0.0; 6])
+}
+
+/// Jet of f(p) from the jet of p and f, f', f'' there.
+fn compose((_, g, h): Jet, [value, first, second]: [f64; 3]) -> Jet {
     let hessian = std::array::from_fn(|p| first * h[p] + second * g[PACKED[p].0] * g[PACKED[p].1]);
-    (tanh, g.map(|g| first * g), hessian)
+    (value, g.map(|g| first * g), hessian)
+}
+
+/// Jet of tanh(p / h).
+fn tanh(p: Jet, h: f64) -> Jet {
+    let value = (p.0 / h).tanh();
+    let first = (1.0 - value * value) / h;
+    compose(p, [value, first, -2.0 * value * first / h])
+}
+
+/// Jet of L^2 / (L^2 + r^2).
+fn fading(r: Jet, length: f64) -> Jet {
+    let x = r.0 / length;
+    let q = 1.0 / (1.0 + x * x);
+    // By q x, which stays small where x^2 overflows and q is 0.
+    let qx = if x < 1.0 { q * x } else { 1.0 / (x + 1.0 / x) };
+    compose(r, [q, -2.0 * q * qx / length, q * (8.0 * qx * qx - 2.0 * q) / (length * length)])
 }
 
 /// Jet of a product.
@@ -133,7 +184,7 @@ fn product((v, g, h): Jet, (w, k, m): Jet) -> Jet {
     (v * w, std::array::from_fn(|a| g[a] * w + v * k[a]), hessian)
 }
 
-/// Jet of first + factor second.
-fn sum((v, g, h): Jet, (w, k, m): Jet, factor: f64) -> Jet {
-    (v + factor * w, std::array::from_fn(|a| g[a] + factor * k[a]), std::array::from_fn(|p| h[p] + factor * m[p]))
+/// Jet of a sum.
+fn sum((v, g, h): Jet, (w, k, m): Jet) -> Jet {
+    (v + w, std::array::from_fn(|a| g[a] + k[a]), std::array::from_fn(|p| h[p] + m[p]))
 }

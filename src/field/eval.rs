@@ -118,7 +118,7 @@ impl Field {
                 let (stencil, u) = self.grid.stencil(xi);
                 stencil.value(&self.coefficients, u)
             } else {
-                self.beyond(xi).0
+                self.continued(xi).0
             };
         }
     }
@@ -132,7 +132,7 @@ impl Field {
                 let (value, g) = stencil.value_gradient(&self.coefficients, &u.map(Weights::at));
                 (value, std::array::from_fn(|a| g[a] * self.per_cell[a]))
             } else {
-                let (value, gradient, _) = self.beyond(xi);
+                let (value, gradient, _) = self.continued(xi);
                 (value, gradient)
             };
             if let Some(values) = &mut values {
@@ -159,7 +159,7 @@ impl Field {
                 let (value, g, h) = stencil.value_gradient_hessian(&self.coefficients, u);
                 (value, std::array::from_fn(|a| g[a] * self.per_cell[a]), std::array::from_fn(|p| h[p] * squares[p]))
             } else {
-                self.beyond(xi)
+                self.continued(xi)
             };
             if let Some(values) = &mut values {
                 values[i] = value;

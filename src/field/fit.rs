@@ -60,6 +60,10 @@ impl Field {
         let sign = options.feasible.sign();
         let b = energy.right_hand_side(&workers, (cloud.normals(), &order), far.as_ref(), sign)?;
         drop((order, far));
+        if b.iter().all(|b| *b == 0.0) {
+            let text = "the normals cancel out, so that no side of the surface is the outer one; normals out of the solid are needed";
+            return Err(Error::Degenerate(text.into()));
+        }
         let mut system = Multilevel::new(energy, &workers)?;
         report.seconds_assembly = lap();
 

@@ -41,7 +41,7 @@ pub mod smoothness;
 
 use crate::Result;
 use crate::spline::Grid;
-pub use beyond::FarSign;
+pub use beyond::Beyond;
 pub use eval::Outputs;
 pub use options::{Feasible, FitOptions};
 pub use report::FitReport;
@@ -56,7 +56,7 @@ pub struct Field {
     /// Row-major, z contiguous, in the caller's unit of length.
     coefficients: Vec<f64>,
     feasible: Feasible,
-    far_sign: FarSign,
+    beyond: Beyond,
     /// D of the cloud.
     diagonal: f64,
     report: FitReport,
@@ -65,9 +65,9 @@ pub struct Field {
 impl Field {
     fn new(grid: Grid, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Result<Self> {
         let per_cell = grid.axes.map(|a| 1.0 / a.cell);
-        let far_sign = FarSign::Fixed(feasible.sign());
-        let mut field = Field { grid, per_cell, coefficients, feasible, far_sign, diagonal, report };
-        field.far_sign = field.sign_on_faces();
+        let beyond = Beyond::default();
+        let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
+        field.beyond = field.look_at_faces();
         Ok(field)
     }
 
@@ -86,9 +86,9 @@ impl Field {
         self.feasible
     }
 
-    /// The sign with which |phi| grows outside the box.
-    pub fn far_sign(&self) -> FarSign {
-        self.far_sign
+    /// How the field goes on outside its box.
+    pub fn beyond(&self) -> &Beyond {
+        &self.beyond
     }
 
     /// D: the unit of dimensionless figures.
@@ -105,27 +105,7 @@ impl Field {
     pub fn bytes(&self) -> usize {
         size_of::<Field>() + self.coefficients.capacity() * size_of::<f64>()
     }
-
-    /// The sign that phi has on the faces of the box, looked for at the corners of all cells there.
-    fn sign_on_faces(&self) -> FarSign {
-        let n = self.grid.axes.map(|a| a.n_cells);
-        let (mut positive, mut negative) = (false, false);
-        for i in 0..=n[0] {
-            for j in 0..=n[1] {
-                let inner = i > 0 && i < n[0] && j > 0 && j < n[1];
-                for k in (0..=n[2]).step_by(if inner { n[2] } else { 1 }) {
-                    let (stencil, u) = self.grid.stencil([i, j, k].map(|x| x as f64));
-                    let value = stencil.value(&self.coefficients, u);
-                    positive |= value > 0.0;
-                    negative |= value < 0.0;
-                }
-            }
-        }
-        match (positive, negative) {
-            (true, true) => FarSign::OfClampedPoint,
-            (false, true) => FarSign::Fixed(-1.0),
-            (true, false) => FarSign::Fixed(1.0),
-            (false, false) => FarSign::Fixed(self.feasible.sign()),
-        }
-    }
 }
+
+#[cfg(test)]
+mod tests;

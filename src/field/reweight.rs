@@ -14,10 +14,12 @@ const LARGEST_FACTOR: f64 = 16.0;
 /// |grad phi| below which a field is taken to be flat, so that |phi| / |grad phi| stays a distance.
 pub const FLATTEST: f64 = 0.1;
 
-/// Relative residual to which the rounds before the last are solved, for one of `tolerance` at the end: enough to tell far points from
-/// near ones, yet tight where the caller asks for digits, since the weights that follow carry the error on.
+/// Relative residual to which the rounds before the last are solved, for `tolerance` in the last: as much as tells far points from near
+/// ones; but where the caller asks for digits, all of them, since the weights carry an error on.
 pub fn rough_tolerance(tolerance: f64) -> f64 {
-    (100.0 * tolerance).clamp(tolerance, 1e-2_f64.max(tolerance))
+    const ROUGH: f64 = 1e-2;
+    const DIGITS_BELOW: f64 = 1e-5;
+    if tolerance < DIGITS_BELOW { tolerance } else { tolerance.max(ROUGH) }
 }
 
 /// Turns distances [N] into the factors of the weights.

@@ -1,7 +1,7 @@
 //! An oriented point cloud: points on a surface with unit normals.
 
 use super::Bounds;
-use super::vec3::{Vec3, normalized};
+use super::vec3::{Vec3, dot, normalized};
 use crate::{Error, Result};
 
 /// Where on a mesh a point of a cloud was taken.
@@ -43,6 +43,10 @@ impl Cloud {
             }
         }
         for (i, n) in normals.iter_mut().enumerate() {
+            // Kept to the bit, so that a cloud made from another's points and normals is the same.
+            if (dot(*n, *n) - 1.0).abs() <= 4.0 * f64::EPSILON {
+                continue;
+            }
             *n = normalized(*n).ok_or_else(|| {
                 Error::InvalidArgument(format!(
                     "normal {i} is ({}, {}, {}); a finite vector longer than 0 is needed",
