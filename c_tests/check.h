@@ -1,4 +1,4 @@
-/* What the C tests share: checks that count, and two shapes. A test returns check_result() from main. */
+/* What the tests in C and C++ share: checks that count, and two shapes. A test returns check_result() from main. */
 
 #ifndef KEEPOUT_CHECK_H
 #define KEEPOUT_CHECK_H
@@ -68,7 +68,7 @@ static inline double check_random(uint64_t *state) {
 
 /* `n` points [3 * n], uniform in the cube [-half, half]^3. The caller frees them. */
 static inline double *check_points(size_t n, double half, uint64_t seed) {
-    double *points = malloc(3 * n * sizeof *points);
+    double *points = (double *)malloc(3 * n * sizeof *points);
     for (size_t i = 0; i < 3 * n; i++) {
         points[i] = half * (2.0 * check_random(&seed) - 1.0);
     }
@@ -91,7 +91,7 @@ static inline ko_mesh *check_cube(void) {
 
 /* `n` points [3 * n] of the unit sphere, which are their normals too, along a spiral. The caller frees them. */
 static inline double *check_sphere_points(size_t n) {
-    double *points = malloc(3 * n * sizeof *points);
+    double *points = (double *)malloc(3 * n * sizeof *points);
     for (size_t i = 0; i < n; i++) {
         double z = 1.0 - (2.0 * (double)i + 1.0) / (double)n;
         double r = sqrt(1.0 - z * z);

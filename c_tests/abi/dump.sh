@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# dump.sh LIBRARY: the ABI of an unstripped libkeepout.so as libabigail sees it, on the standard output.
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+# Units of compilation that hold nothing of the ABI go, and the others lose their names, which change with every build.
+abidw --suppressions "$here/suppress.ini" --no-corpus-path --no-comp-dir-path --no-show-locs --no-elf-needed --no-parameter-names \
+    "$1" |
+    awk '/<abi-instr / { unit = $0; next }
+         /<\/abi-instr>/ { if (unit == "") print; unit = ""; next }
+         unit != "" { sub(/path=.[^ ]*/, "path=\047keepout-" ++n "\047", unit); print unit; unit = "" }
+         { print }'
