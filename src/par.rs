@@ -5,6 +5,7 @@
 
 use crate::{Error, Result};
 use rayon::prelude::*;
+use std::thread::JoinHandle;
 
 /// Prefix of the names of the pool's threads.
 pub const THREAD_NAME: &str = "keepout";
@@ -15,6 +16,7 @@ pub const MOST_THREADS: u32 = 1024;
 /// The threads of one call. Dropping it joins them.
 pub struct Workers {
     pool: Option<rayon::ThreadPool>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 impl Workers {
@@ -32,19 +34,29 @@ impl Workers {
         if n_threads == 1 {
             return Ok(Workers::caller_only());
         }
-        rayon::ThreadPoolBuilder::new()
+        // A pool alone would let its threads run on after it is dropped: into the caller's dlclose, or the end of the process.
+        let mut threads = Vec::new();
+        let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(n_threads)
             .thread_name(|i| format!("{THREAD_NAME}-{i}"))
-            .build()
-            .map(|pool| Workers { pool: Some(pool) })
-            .map_err(|e| {
-                Error::InvalidArgument(format!("n_threads = {n_threads}: the threads could not be started: {e}"))
+            .spawn_handler(|thread| {
+                let name = thread.name().unwrap_or(THREAD_NAME).to_owned();
+                threads.push(std::thread::Builder::new().name(name).spawn(|| thread.run())?);
+                Ok(())
             })
+            .build();
+        match pool {
+            Ok(pool) => Ok(Workers { pool: Some(pool), threads }),
+            Err(e) => {
+                join(threads);
+                Err(Error::InvalidArgument(format!("n_threads = {n_threads}: the threads could not be started: {e}")))
+            }
+        }
     }
 
     /// No thread but the caller's.
     pub fn caller_only() -> Self {
-        Workers { pool: None }
+        Workers { pool: None, threads: Vec::new() }
     }
 
     /// Threads that work at once.
@@ -69,5 +81,19 @@ impl Workers {
             None => (0..n).map(work).collect(),
             Some(pool) => pool.install(|| (0..n).into_par_iter().map(work).collect()),
         }
+    }
+}
+
+impl Drop for Workers {
+    fn drop(&mut self) {
+        drop(self.pool.take());
+        join(std::mem::take(&mut self.threads));
+    }
+}
+
+fn join(threads: Vec<JoinHandle<()>>) {
+    for thread in threads {
+        // The pool hands a worker's panic to the caller of the work; none is left to tell of here.
+        let _ = thread.join();
     }
 }

@@ -24,7 +24,8 @@ pub type ko_progress = Option<unsafe extern "C" fn(fraction: f64, stage: *const 
 pub struct ko_fit_options {
     /// sizeof(ko_fit_options), set by ko_fit_options_init.
     pub struct_size: usize,
-    /// Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose.
+    /// Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose: near-cubic cells, about
+    /// twice as many control points as points, between 4096 and 262144.
     pub control_points: [u32; 3],
     /// Rounds in which points that the surface misses are weighted more, against the largest error. 0: the paper's fit. Default 3.
     pub reweightings: u32,
@@ -35,7 +36,7 @@ pub struct ko_fit_options {
     /// lambda_r of (10): weight of the smoothness. Default 3e-10.
     pub lambda_smooth: f64,
     /// Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
-    /// units of D. It keeps the sign right far from the data. 0: none, the paper's fit. Default 10.
+    /// units of D. It keeps the sign right far from the data. 0: none, the paper's fit. Default 50.
     pub distance_weight: f64,
     /// Relative residual of the solve to reach. Default 1e-4.
     pub tolerance: f64,

@@ -59,7 +59,7 @@ impl Default for FitOptions {
             margin: 0.15,
             normal_weight: 1e-4,
             smooth_weight: 3e-10,
-            distance_weight: 10.0,
+            distance_weight: 50.0,
             reweightings: 3,
             feasible: Feasible::Outside,
             tolerance: 1e-4,

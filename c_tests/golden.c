@@ -1,0 +1,244 @@
+/* A field that version 0.1 wrote, kept for good: every later version must read it to the same numbers.
+ *
+ *   golden FOLDER             checks FOLDER/field-0.1.kof against FOLDER/field-0.1.txt, then spoils copies of it in every way
+ *   golden --write FOLDER     makes both anew: c_tests/abi/bless.sh calls this before a release, never after it
+ *
+ * A line of the text holds a point, value, gradient and Hessian: 13 numbers. The file's layout is told in src/field/file.rs. */
+
+#include "check.h"
+#include <unistd.h>
+
+enum { N_POINTS = 60, N_NUMBERS = 13, HEADER = 160, CONTROL_POINTS = 8 };
+
+static const char *spoiled = "golden-spoiled.kof";
+
+static const char *in_folder(const char *folder, const char *name) {
+    static char path[4096];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+/* ---- the file's bytes ---- */
+
+static unsigned char bytes[65536];
+static size_t n_bytes;
+
+static void read_bytes(const char *path) {
+    FILE *file = fopen(path, "rb");
+    CHECK(file != NULL);
+    n_bytes = file == NULL ? 0 : fread(bytes, 1, sizeof bytes, file);
+    if (file != NULL) {
+        fclose(file);
+    }
+}
+
+static void write_bytes(const unsigned char *from, size_t n) {
+    FILE *file = fopen(spoiled, "wb");
+    CHECK(file != NULL && fwrite(from, 1, n, file) == n && fclose(file) == 0);
+}
+
+static uint32_t crc32(const unsigned char *from, size_t n) {
+    uint32_t crc = ~(uint32_t)0;
+    for (size_t i = 0; i < n; i++) {
+        crc ^= from[i];
+        for (int bit = 0; bit < 8; bit++) {
+            crc = (crc >> 1) ^ (0xedb88320u & (0u - (crc & 1u)));
+        }
+    }
+    return ~crc;
+}
+
+static void put_u32(unsigned char *to, uint32_t x) {
+    for (int i = 0; i < 4; i++) {
+        to[i] = (unsigned char)(x >> (8 * i));
+    }
+}
+
+static void put_f64(unsigned char *to, double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    put_u32(to, (uint32_t)bits);
+    put_u32(to + 4, (uint32_t)(bits >> 32));
+}
+
+/* ---- the numbers ---- */
+
+static void evaluate(const ko_field *field, const double *point, double *numbers) {
+    memcpy(numbers, point, 3 * sizeof *point);
+    OK(ko_field_eval(field, point, 1, numbers + 3, numbers + 4, numbers + 7));
+}
+
+/* Points in the box, on its faces and outside it. */
+static void place(const ko_fit_report *report, int i, uint64_t *seed, double *point) {
+    for (int a = 0; a < 3; a++) {
+        double low = report->box_min[a], high = report->box_max[a];
+        double stretch = i % 3 == 2 ? 3.0 : 1.0;
+        point[a] = 0.5 * (low + high) + stretch * (high - low) * (check_random(seed) - 0.5);
+    }
+    if (i % 3 == 1) {
+        int axis = i / 3 % 3;
+        point[axis] = i / 9 % 2 ? report->box_min[axis] : report->box_max[axis];
+    }
+}
+
+static void write_golden(const char *folder) {
+    ko_field *field = check_sphere_field(CONTROL_POINTS);
+    OK(ko_field_save(field, in_folder(folder, "field-0.1.kof")));
+    ko_fit_report report;
+    OK(ko_field_get_report(field, sizeof report, &report));
+    FILE *file = fopen(in_folder(folder, "field-0.1.txt"), "w");
+    CHECK(file != NULL);
+    uint64_t seed = 1;
+    for (int i = 0; file != NULL && i < N_POINTS; i++) {
+        double point[3], numbers[N_NUMBERS];
+        place(&report, i, &seed, point);
+        evaluate(field, point, numbers);
+        for (int j = 0; j < N_NUMBERS; j++) {
+            fprintf(file, "%.17g%c", numbers[j], j == N_NUMBERS - 1 ? '\n' : ' ');
+        }
+    }
+    CHECK(file != NULL && fclose(file) == 0);
+    ko_field_free(field);
+}
+
+static void numbers_are_the_same(const char *folder) {
+    ko_field *field = NULL;
+    OK(ko_field_load(in_folder(folder, "field-0.1.kof"), &field));
+    FILE *file = fopen(in_folder(folder, "field-0.1.txt"), "r");
+    CHECK(file != NULL);
+    double right[N_NUMBERS], numbers[N_NUMBERS];
+    int n = 0, j = 0;
+    while (file != NULL && fscanf(file, "%lf", &right[j]) == 1) {
+        if (++j == N_NUMBERS) {
+            evaluate(field, right, numbers);
+            double size = 1.0;
+            for (j = 3; j < N_NUMBERS; j++) {
+                size = fmax(size, fabs(right[j]));
+            }
+            for (j = 3; j < N_NUMBERS; j++) {
+                CHECK_NEAR(numbers[j], right[j], 1e-13 * size);
+            }
+            j = 0;
+            n++;
+        }
+    }
+    CHECK(n == N_POINTS && j == 0);
+    if (file != NULL) {
+        fclose(file);
+    }
+    ko_fit_report report;
+    OK(ko_field_get_report(field, sizeof report, &report));
+    CHECK(report.n_unknowns == CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS && report.n_points == 500);
+    CHECK(report.feasible == KO_FEASIBLE_OUTSIDE && report.rms > 0.0 && report.rms < report.max);
+    ko_field_free(field);
+}
+
+/* ---- files gone bad ---- */
+
+static void fails_to_load(int32_t status, const char *words) {
+    ko_field *field = (ko_field *)(uintptr_t)8;
+    FAILS(ko_field_load(spoiled, &field), status, words);
+    CHECK(field == NULL);
+}
+
+static void every_cut_is_an_error(void) {
+    bytes[n_bytes] = 0;
+    write_bytes(bytes, n_bytes + 1);
+    fails_to_load(KO_ERR_FORMAT, "bytes");
+    write_bytes(bytes, n_bytes);
+    for (size_t n = n_bytes; n-- > 0;) {
+        CHECK(truncate(spoiled, (off_t)n) == 0);
+        fails_to_load(KO_ERR_FORMAT, "bytes");
+    }
+}
+
+static void every_change_is_an_error(void) {
+    write_bytes(bytes, n_bytes);
+    FILE *file = fopen(spoiled, "r+b");
+    CHECK(file != NULL);
+    for (size_t i = 0; file != NULL && i < n_bytes; i += i < HEADER ? 1 : 11) {
+        for (int bit = 1; bit < 256; bit *= 4) {
+            const int changes[] = {bytes[i] ^ bit, bytes[i]};
+            for (int c = 0; c < 2; c++) {
+                CHECK(fseek(file, (long)i, SEEK_SET) == 0 && fputc(changes[c], file) == changes[c] && fflush(file) == 0);
+                if (c == 0) {
+                    fails_to_load(KO_ERR_FORMAT, spoiled);
+                }
+            }
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}
+
+/* Changes that a checksum of their own makes look right: made on a copy of `n` bytes, the last four of which become it. */
+static unsigned char crafted[65536];
+
+static void craft(size_t n) {
+    put_u32(crafted + n - 4, crc32(crafted, n - 4));
+    write_bytes(crafted, n);
+}
+
+static void crafted_headers_are_not_believed(void) {
+    memcpy(crafted, bytes, n_bytes);
+    craft(n_bytes);
+    ko_field *field = NULL;
+    OK(ko_field_load(spoiled, &field)); /* The checksum here is the right one. */
+    ko_field_free(field);
+
+    const struct {
+        size_t at;
+        uint32_t x;
+        const char *words;
+    } counts[] = {
+        {8, 2, "version 2"},          {12, 2, "dimension 2"},    {16, 3, "3 control points"},
+        {20, 0, "0 control points"},  {24, 9, "announces"},      {24, 7, "announces"},
+        {16, UINT32_MAX, "announces"}, {28, 2, "side is 2"},
+    };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        memcpy(crafted, bytes, n_bytes);
+        put_u32(crafted + counts[i].at, counts[i].x);
+        craft(n_bytes);
+        fails_to_load(KO_ERR_FORMAT, counts[i].words);
+    }
+    memcpy(crafted, bytes, n_bytes);
+    for (int a = 0; a < 3; a++) {
+        put_u32(crafted + 16 + 4 * a, UINT32_MAX);
+    }
+    craft(n_bytes);
+    fails_to_load(KO_ERR_FORMAT, "announces");
+    craft(HEADER + 4);
+    fails_to_load(KO_ERR_FORMAT, "announces");
+
+    /* Corner, cell edge, diagonal, a control point. */
+    const struct {
+        size_t at;
+        double x;
+    } numbers[] = {{32, NAN}, {48, INFINITY}, {56, 0.0}, {64, -1.0}, {72, NAN}, {80, 0.0}, {HEADER + 8 * 77, NAN}};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        memcpy(crafted, bytes, n_bytes);
+        put_f64(crafted + numbers[i].at, numbers[i].x);
+        craft(n_bytes);
+        fails_to_load(KO_ERR_FORMAT, "finite");
+    }
+}
+
+int main(int argc, char **argv) {
+    if (argc == 3 && strcmp(argv[1], "--write") == 0) {
+        write_golden(argv[2]);
+        return check_result();
+    }
+    if (argc != 2) {
+        fprintf(stderr, "usage: golden [--write] FOLDER\n");
+        return EXIT_FAILURE;
+    }
+    numbers_are_the_same(argv[1]);
+    read_bytes(in_folder(argv[1], "field-0.1.kof"));
+    CHECK(n_bytes == HEADER + 8 * CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS + 4);
+    every_cut_is_an_error();
+    every_change_is_an_error();
+    crafted_headers_are_not_believed();
+    CHECK(remove(spoiled) == 0);
+    return check_result();
+}

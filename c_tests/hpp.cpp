@@ -1,0 +1,135 @@
+// keepout.hpp: every call, its errors, and exceptions that must not cross C.
+
+#include <keepout.hpp>
+
+#include "check.h"
+#include <algorithm>
+#include <array>
+
+static_assert(!std::is_copy_constructible_v<keepout::Mesh> && std::is_nothrow_move_constructible_v<keepout::Mesh>);
+static_assert(!std::is_copy_constructible_v<keepout::Cloud> && std::is_nothrow_move_constructible_v<keepout::Cloud>);
+static_assert(!std::is_copy_constructible_v<keepout::Field> && std::is_nothrow_move_constructible_v<keepout::Field>);
+
+/// The call throws an Error with this status and these words.
+#define THROWS(call, right, words)                                                      \
+    do {                                                                                \
+        std::int32_t status = KO_OK;                                                    \
+        std::string message;                                                            \
+        try {                                                                           \
+            call;                                                                       \
+        } catch (const keepout::Error &error) {                                         \
+            status = error.status();                                                    \
+            message = error.what();                                                     \
+        }                                                                               \
+        check_that(status == (right) && message.find(words) != message.npos, #call, __FILE__, __LINE__); \
+    } while (0)
+
+static keepout::Mesh cube() { return keepout::Mesh::from_triangles(check_cube_vertices, check_cube_triangles); }
+
+static keepout::FitOptions small_fit() {
+    keepout::FitOptions options;
+    std::fill(std::begin(options.control_points), std::end(options.control_points), 8u);
+    options.n_threads = 1;
+    return options;
+}
+
+static void meshes_and_clouds() {
+    keepout::Mesh mesh = cube();
+    CHECK(mesh.n_vertices() == 8 && mesh.n_triangles() == 12);
+    CHECK(mesh.vertices() == std::vector<double>(std::begin(check_cube_vertices), std::end(check_cube_vertices)));
+    CHECK(mesh.triangles().size() == 36 && mesh.triangles()[35] == 6);
+    CHECK(mesh.report().closed == 1);
+    mesh.flip();
+    CHECK(mesh.report().inside_out == 1);
+    mesh.flip();
+    CHECK_NEAR(mesh.signed_distance(std::array<double, 3>{2, 0, 0}).at(0), 1.0, 1e-15);
+    const double origin[3] = {0, 0, 0};
+    CHECK_NEAR(mesh.signed_distance({origin, 3}).at(0), -1.0, 1e-15);
+
+    const keepout::Cloud cloud = mesh.sample(300, 1);
+    CHECK(cloud.size() == 300 && cloud.points().size() == 900 && cloud.normals().size() == 900);
+    CHECK(cloud.origins().triangles.size() == 300 && cloud.origins().barycentric.size() == 900);
+    const keepout::Cloud copy = keepout::Cloud::from_points(cloud.points(), cloud.normals());
+    CHECK(copy.points() == cloud.points());
+}
+
+static void fields() {
+    const keepout::Field field = keepout::Field::fit(cube().sample(500, 1), small_fit());
+    CHECK(field.report().n_unknowns == 512);
+    const std::vector<double> points = {0, 0, 0, 1.1, 0.2, 0, 5, 5, 5};
+    const keepout::Field::Evaluation all = field.eval(points);
+    CHECK(all.values[0] < 0.0 && all.values[1] > 0.0 && all.gradients[3] > 0.5);
+    CHECK(field.values(points) == all.values);
+    CHECK((field.outside_box(points) == std::vector<std::uint8_t>{0, 0, 1}));
+    std::array<double, 3> values{};
+    std::vector<double> gradients(9), hessians(18);
+    field.eval(points, values, gradients);
+    CHECK(gradients == all.gradients);
+    field.eval_parallel(2, points, values, gradients, hessians);
+    CHECK(hessians == all.hessians);
+
+    field.save("hpp.kof");
+    CHECK(keepout::Field::load("hpp.kof").values(points) == all.values);
+    CHECK(std::remove("hpp.kof") == 0);
+}
+
+static void errors_are_exceptions() {
+    THROWS(keepout::Mesh::read("no-such-file.obj"), KO_ERR_IO, "no-such-file.obj");
+    THROWS(keepout::Field::load("no-such-file.kof"), KO_ERR_IO, "no-such-file.kof");
+    THROWS(keepout::Mesh::from_triangles(std::vector<double>(7), check_cube_triangles), KO_ERR_INVALID_ARGUMENT,
+           "vertices has 7 numbers");
+    THROWS(keepout::Cloud::from_points(std::vector<double>(6), std::vector<double>(3)), KO_ERR_INVALID_ARGUMENT,
+           "normals has room for 3");
+    THROWS(cube().sample(0, 0), KO_ERR_INVALID_ARGUMENT, "0 sample points");
+    keepout::Mesh mesh = cube();
+    const keepout::Mesh taken = std::move(mesh);
+    CHECK(taken.n_vertices() == 8);
+    THROWS(mesh.n_vertices(), KO_ERR_INVALID_ARGUMENT, "mesh is NULL");
+
+    const keepout::Field field = keepout::Field::fit(cube().sample(300, 1), small_fit());
+    std::vector<double> points(9), values(2), gradients(9);
+    THROWS(field.eval(points, values), KO_ERR_INVALID_ARGUMENT, "values has room for 2");
+    THROWS(field.eval(std::vector<double>(8)), KO_ERR_INVALID_ARGUMENT, "points has 8 numbers");
+    THROWS(field.eval(points, {}, values), KO_ERR_INVALID_ARGUMENT, "gradients has room for 2");
+    points[4] = NAN;
+    THROWS(field.values(points), KO_ERR_INVALID_ARGUMENT, "point 1 ");
+}
+
+static void progress_is_heard() {
+    const keepout::Cloud cloud = cube().sample(300, 1);
+    keepout::FitOptions options = small_fit();
+    double last = -1.0;
+    options.on_progress = [&](double fraction, const char *) {
+        last = fraction;
+        return keepout::Progress::go_on;
+    };
+    keepout::Field::fit(cloud, options);
+    CHECK(last == 1.0);
+
+    options.on_progress = [](double, const char *) { return keepout::Progress::cancel; };
+    THROWS(keepout::Field::fit(cloud, options), KO_ERR_CANCELLED, "cancelled");
+
+    for (const double when : {0.0, 0.02, 1.0}) {
+        options.on_progress = [&](double fraction, const char *stage) {
+            if (fraction >= when) {
+                throw std::out_of_range(stage);
+            }
+            return keepout::Progress::go_on;
+        };
+        bool caught = false;
+        try {
+            keepout::Field::fit(cloud, options);
+        } catch (const std::out_of_range &error) {
+            caught = error.what()[0] != 0;
+        }
+        CHECK(caught);
+    }
+}
+
+int main() {
+    meshes_and_clouds();
+    fields();
+    errors_are_exceptions();
+    progress_is_heard();
+    return check_result();
+}

@@ -1,0 +1,111 @@
+/* Many threads at once: values do not depend on company, errors stay with the thread that made them. */
+
+#include "check.h"
+#include <pthread.h>
+
+enum { N_THREADS = 8, N_POINTS = 3000, N_ROUNDS = 10 };
+
+static ko_mesh *mesh;
+static ko_field *field;
+static double *points, values[N_POINTS], distances[N_POINTS];
+
+struct worker {
+    pthread_t thread;
+    int index;
+    int failures;
+};
+
+static void *work(void *data) {
+    struct worker *worker = data;
+    double *mine = malloc(3 * N_POINTS * sizeof *mine), results[N_POINTS];
+    memcpy(mine, points, 3 * N_POINTS * sizeof *mine);
+    char words[32];
+    for (int round = 0; round < N_ROUNDS; round++) {
+        worker->failures += ko_field_eval(field, points, N_POINTS, results, NULL, NULL) != KO_OK;
+        worker->failures += memcmp(results, values, sizeof values) != 0;
+        worker->failures += ko_mesh_signed_distance(mesh, points, N_POINTS, results) != KO_OK;
+        worker->failures += memcmp(results, distances, sizeof distances) != 0;
+
+        int bad = 100 * worker->index + round;
+        mine[3 * bad] = NAN;
+        snprintf(words, sizeof words, "point %d ", bad);
+        worker->failures += ko_field_eval(field, mine, N_POINTS, results, NULL, NULL) != KO_ERR_INVALID_ARGUMENT;
+        worker->failures += strstr(ko_last_error(), words) == NULL;
+        mine[3 * bad] = 0.0;
+    }
+    free(mine);
+    return NULL;
+}
+
+static void threads_do_not_meet(void) {
+    /* Distances first on another mesh: here the threads race to build the tree. */
+    ko_mesh *other = check_cube();
+    OK(ko_mesh_signed_distance(other, points, N_POINTS, distances));
+    ko_mesh_free(other);
+    OK(ko_field_eval(field, points, N_POINTS, values, NULL, NULL));
+    FAILS(ko_mesh_flip(NULL), KO_ERR_INVALID_ARGUMENT, "mesh is NULL");
+    struct worker workers[N_THREADS];
+    for (int i = 0; i < N_THREADS; i++) {
+        workers[i].index = i;
+        workers[i].failures = 0;
+        CHECK(pthread_create(&workers[i].thread, NULL, work, &workers[i]) == 0);
+    }
+    for (int i = 0; i < N_THREADS; i++) {
+        CHECK(pthread_join(workers[i].thread, NULL) == 0);
+        CHECK(workers[i].failures == 0);
+    }
+    /* None of their errors came here. */
+    CHECK(strstr(ko_last_error(), "mesh is NULL") != NULL);
+}
+
+static void threads_do_not_change_the_bits(void) {
+    enum { N = 20000 };
+    double *many = check_points(N, 2.0, 2);
+    double *one = malloc(10 * N * sizeof *one), *spread = malloc(10 * N * sizeof *spread);
+    OK(ko_field_eval(field, many, N, one, one + N, one + 4 * N));
+    const uint32_t n_threads[] = {0, 1, 2, 3, 8};
+    for (size_t t = 0; t < sizeof n_threads / sizeof *n_threads; t++) {
+        memset(spread, 0xff, 10 * N * sizeof *spread);
+        OK(ko_field_eval_parallel(field, many, N, spread, spread + N, spread + 4 * N, n_threads[t]));
+        CHECK(memcmp(one, spread, 10 * N * sizeof *one) == 0);
+        OK(ko_field_eval_parallel(field, NULL, 0, NULL, NULL, NULL, n_threads[t]));
+    }
+    /* The first bad point is named, whoever finds which first. */
+    many[3 * 19000] = many[3 * 9001 + 1] = NAN;
+    for (size_t t = 0; t < sizeof n_threads / sizeof *n_threads; t++) {
+        FAILS(ko_field_eval_parallel(field, many, N, spread, NULL, NULL, n_threads[t]), KO_ERR_INVALID_ARGUMENT,
+              "point 9001 ");
+    }
+    FAILS(ko_field_eval_parallel(field, many, N, spread, NULL, NULL, UINT32_MAX), KO_ERR_INVALID_ARGUMENT,
+          "n_threads is 4294967295");
+    free(many);
+    free(one);
+    free(spread);
+}
+
+static void fits_do_not_depend_on_threads(void) {
+    ko_cloud *cloud = check_sphere(2000);
+    ko_fit_options options = check_options(12);
+    double one[N_POINTS], other[N_POINTS];
+    for (options.n_threads = 1; options.n_threads <= 3; options.n_threads++) {
+        ko_field *fitted = NULL;
+        OK(ko_field_fit(cloud, &options, &fitted));
+        OK(ko_field_eval(fitted, points, N_POINTS, options.n_threads == 1 ? one : other, NULL, NULL));
+        CHECK(options.n_threads == 1 || memcmp(one, other, sizeof one) == 0);
+        ko_field_free(fitted);
+    }
+    ko_cloud_free(cloud);
+}
+
+int main(void) {
+    mesh = check_cube();
+    field = check_sphere_field(8);
+    points = check_points(N_POINTS, 2.0, 1);
+    threads_do_not_meet();
+    threads_do_not_change_the_bits();
+    fits_do_not_depend_on_threads();
+    free(points);
+    ko_field_free(field);
+    ko_mesh_free(mesh);
+    return check_result();
+}
