@@ -12,17 +12,24 @@ namespace {
 using namespace bench;
 
 struct Weights {
-    double normal, smooth;
+    double normal, smooth, distance;
     std::uint32_t reweightings;
 };
 
-// What the weights are swept over, the paper's own values last.
+// What is swept: both weights of (10) at the default departures, the departures one by one at the default weights, and last the paper's
+// own values.
 std::vector<Weights> sweep() {
+    ko_fit_options defaults;
+    check(ko_fit_options_init(&defaults, sizeof defaults));
+    const Weights chosen = {defaults.lambda_normal, defaults.lambda_smooth, defaults.distance_weight, defaults.reweightings};
     std::vector<Weights> all;
-    for (const std::uint32_t reweightings : {0u, 3u})
-        for (const double normal : {1e-4, 3e-4, 1e-3, 3e-3})
-            for (const double smooth : {1e-12, 1e-11, 1e-10, 1e-9, 1e-8}) all.push_back({normal, smooth, reweightings});
-    all.push_back({1e-2, 5e-4, 0});
+    for (const double normal : {3e-5, 1e-4, 3e-4, 1e-3})
+        for (const double smooth : {1e-11, 1e-10, 3e-10, 1e-9, 1e-8})
+            all.push_back({normal, smooth, chosen.distance, chosen.reweightings});
+    for (const double distance : {0.0, 5.0, 500.0}) all.push_back({chosen.normal, chosen.smooth, distance, chosen.reweightings});
+    for (const std::uint32_t rounds : {0u, 1u, 6u}) all.push_back({chosen.normal, chosen.smooth, chosen.distance, rounds});
+    all.push_back({chosen.normal, chosen.smooth, 0.0, 0});
+    all.push_back({1e-2, 5e-4, 0.0, 0});
     return all;
 }
 
@@ -65,6 +72,7 @@ Row measure(const Shape &shape, const Weights &weights) {
     ko_fit_options options = options_of(shape.grid);
     options.lambda_normal = weights.normal;
     options.lambda_smooth = weights.smooth;
+    options.distance_weight = weights.distance;
     options.reweightings = weights.reweightings;
     Row row;
     try {
@@ -98,11 +106,12 @@ Row mean_of(const std::vector<Row> &rows) {
 
 void print_table(const std::string &title, const std::vector<Weights> &weights, const std::vector<Row> &rows) {
     std::printf("\n## %s\n\n", title.c_str());
-    std::printf("| reweightings | lambda_normal | lambda_smooth | rms | max | rms at +-0.01 D | wrong signs | iterations |\n");
-    std::printf("|--:|--:|--:|--:|--:|--:|--:|--:|\n");
+    std::printf("| lambda_normal | lambda_smooth | distance_weight | reweightings | rms | max | rms at +-0.01 D | wrong signs | iterations |\n");
+    std::printf("|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Row &row = rows[i];
-        std::printf("| %" PRIu32 " | %g | %g | ", weights[i].reweightings, weights[i].normal, weights[i].smooth);
+        std::printf("| %g | %g | %g | %" PRIu32 " | ", weights[i].normal, weights[i].smooth, weights[i].distance,
+                    weights[i].reweightings);
         if (row.converged)
             std::printf("%.2e | %.2e | %.2e | %zu | %.0f |\n", row.rms, row.max, row.off_rms, row.wrong, row.iterations);
         else
@@ -121,6 +130,7 @@ void all(const Data &data) {
                   {"fandisk", "mechanical/fandisk.obj", chosen},
                   {"femur_cgal", "anatomy/femur_cgal.off", chosen},
                   {"bwb", "aircraft/bwb.stl", chosen},
+                  {"rotor", "mechanical/rotor.off", chosen},
                   {"heart_sphinxsys", "anatomy/heart_sphinxsys.stl", chosen}};
     const std::vector<Weights> weights = sweep();
     std::vector<std::vector<Row>> of_weights(weights.size());

@@ -1,8 +1,11 @@
 //! The energy that a field minimises, paper 000 (10), as a quadratic form on the control points of one grid.
 //!
-//! f(c) = (1/N) sum phi(p)^2 + (lambda_n/N) sum |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV
-//! + lambda_d E_d, (9) kept away from the surface: see [`distance`](super::distance). All in units of D;
-//! s is +1 where the design may be outside and -1 where it may be inside. Half its gradient is A c - b.
+//! ```text
+//! f(c) = (1/N) sum phi(p)^2 + (lambda_n/N) sum |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV + lambda_d E_d
+//! ```
+//!
+//! all in units of D; s is 1 where the design may be outside and -1 where it may be inside, E_d is (9) kept away from the surface: see
+//! [`distance`](super::distance). Half its gradient is A c - b.
 
 use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};
