@@ -17,7 +17,7 @@ pub const FLATTEST: f64 = 0.1;
 /// Relative residual to which the rounds before the last are solved: enough to tell far points from near ones.
 pub const ROUGH_TOLERANCE: f64 = 1e-2;
 
-/// Turns distances [N] into the factors of the weights.
+/// Turns distances `[N]` into the factors of the weights.
 pub fn factors(distances: &mut [f64]) {
     let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
     if rms == 0.0 {
