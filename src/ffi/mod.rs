@@ -5,6 +5,8 @@
 
 // What a caller must keep to stands in each call's docs and at the top of the header, for all pointers alike.
 #![allow(clippy::missing_safety_doc)]
+// `values` [n_points] is a shape, not a link.
+#![allow(rustdoc::broken_intra_doc_links)]
 
 mod cloud;
 mod field;

@@ -12,7 +12,7 @@ const BLOCK: usize = 256;
 /// Where the results of a batch go; `None` where one is not wanted.
 #[derive(Default)]
 pub struct Outputs<'a> {
-    /// phi [n], in the caller's unit of length.
+    /// phi `[n]`, in the caller's unit of length.
     pub values: Option<&'a mut [f64]>,
     /// grad phi [n x 3], without unit.
     pub gradients: Option<&'a mut [Vec3]>,

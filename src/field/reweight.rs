@@ -22,7 +22,7 @@ pub fn rough_tolerance(tolerance: f64) -> f64 {
     if tolerance < DIGITS_BELOW { tolerance } else { tolerance.max(ROUGH) }
 }
 
-/// Turns distances [N] into the factors of the weights.
+/// Turns distances `[N]` into the factors of the weights.
 pub fn factors(distances: &mut [f64]) {
     let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
     if rms == 0.0 {

@@ -9,10 +9,10 @@ use crate::{Error, Result};
 
 /// A symmetric positive definite system with its preconditioner.
 pub trait System {
-    /// y = A x, both [n].
+    /// y = A x, both `[n]`.
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]);
 
-    /// z = M r, both [n]: M symmetric positive definite, close to the inverse of A.
+    /// z = M r, both `[n]`: M symmetric positive definite, close to the inverse of A.
     fn precondition(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]);
 }
 
