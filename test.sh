@@ -25,32 +25,20 @@ stage() {
     printf -- '---- %s: %d s\n' "$name" $((SECONDS - start))
 }
 
-# Debian packages, each with a file that tells that it is there.
-install_missing() {
-    local missing=() package file
-    while read -r package file; do
-        [[ -e $file ]] || missing+=("$package")
-    done <<'LIST'
-gcc /usr/bin/gcc
-g++ /usr/bin/g++
-binutils /usr/bin/objcopy
-cmake /usr/bin/cmake
-ninja-build /usr/bin/ninja
-pkg-config /usr/bin/pkg-config
-libcgal-dev /usr/include/CGAL/version.h
-libpng-dev /usr/include/png.h
-abigail-tools /usr/bin/abidw
-valgrind /usr/bin/valgrind
-LIST
-    if [[ ${#missing[@]} == 0 ]]; then
-        echo "nothing is missing"
-        return
-    fi
-    echo "installing by apt-get: ${missing[*]}"
-    local as_root=()
-    [[ $(id -u) == 0 ]] || as_root=(sudo)
-    "${as_root[@]}" apt-get update -qq &&
-        "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}"
+packages() {
+    source cmake/install_missing.sh
+    need gcc command -v cc
+    need g++ command -v c++
+    need libc6-dev test -f /usr/include/stdio.h
+    need binutils command -v objcopy
+    need cmake command -v cmake
+    need ninja-build command -v ninja
+    need pkg-config command -v pkg-config
+    need libcgal-dev test -f /usr/include/CGAL/version.h
+    need libpng-dev test -f /usr/include/png.h
+    need abigail-tools command -v abidw
+    need valgrind command -v valgrind
+    install_missing
 }
 
 documentation() {
@@ -85,7 +73,7 @@ under_valgrind() {
     rm -rf "$room"
 }
 
-stage "packages" install_missing
+stage "packages" packages
 stage "format" cargo fmt --check
 stage "clippy" cargo clippy --locked --all-targets -- -D warnings
 stage "cargo test" cargo test --locked

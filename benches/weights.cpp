@@ -20,7 +20,7 @@ struct Weights {
 // own values.
 std::vector<Weights> sweep() {
     ko_fit_options defaults;
-    check(ko_fit_options_init(&defaults, sizeof defaults));
+    check(ko_fit_options_init(&defaults, sizeof defaults), "ko_fit_options_init");
     const Weights chosen = {defaults.lambda_normal, defaults.lambda_smooth, defaults.distance_weight, defaults.reweightings};
     std::vector<Weights> all;
     for (const double normal : {3e-5, 1e-4, 3e-4, 1e-3})

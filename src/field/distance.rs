@@ -10,12 +10,13 @@
 //! ```
 //!
 //! x a cell's centre, h the longest cell edge. phi then follows d over lengths above h / w^(1/4) and rounds its kinks below. d is
-//! the distance to the cloud's surfels, signed by their winding number W; s = (2 W - 1)^2 fades the term out where an open
+//! the distance to the nearest point of the cloud, signed by the winding number W of its surfels; s = (2 W - 1)^2 fades the term out where an open
 //! shape has no clear side.
 
 use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
+use crate::geometry::neighbours::{Neighbour, Neighbours};
 use crate::geometry::vec3::Vec3;
 use crate::par::Workers;
 use crate::spline::Grid;
@@ -42,28 +43,26 @@ impl FarDistances {
             let index = [c / (n_cells[1] * n_cells[2]), c / n_cells[2] % n_cells[1], c % n_cells[2]];
             std::array::from_fn(|a| grid.axes[a].lower + (index[a] as f64 + 0.5) * grid.axes[a].cell)
         };
-        let mut centers = try_vec(n, [0.0; 3], "the centres of the cells")?;
-        centers.iter_mut().enumerate().for_each(|(c, x)| *x = center(c));
-        let surfels = cloud.surfels()?;
-        let tree = surfels.distance_tree()?;
+        let points = Neighbours::new(cloud.points())?;
+        let surfels = cloud.surfels(&points)?;
+        let sides = surfels.distance_tree()?;
+        let near = NEAREST * grid.longest_cell();
         let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
-        let chunks = centers.chunks(CHUNK).zip(distance.chunks_mut(CHUNK)).zip(share.chunks_mut(CHUNK));
-        let nearest = NEAREST * grid.longest_cell();
-        let failed = std::sync::Mutex::new(None);
-        workers.for_each(chunks, |((centers, distance), share)| {
-            if let Err(error) = tree.signed_distances(centers, distance) {
-                failed.lock().unwrap_or_else(|poisoned| poisoned.into_inner()).get_or_insert(error);
-                return;
-            }
-            for ((x, _), s) in centers.iter().zip(distance).zip(share).filter(|((_, d), _)| d.abs() > nearest) {
-                let clear = 2.0 * tree.winding_number(*x) - 1.0;
-                *s = (clear * clear).min(1.0) / n as f64;
+        let chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
+        workers.for_each(chunks, |(chunk, (distance, share))| {
+            for (i, (d, s)) in distance.iter_mut().zip(share).enumerate() {
+                let x = center(chunk * CHUNK + i);
+                let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
+                points.nearest(x, |_| true, &mut nearest);
+                *d = nearest[0].distance_squared.sqrt();
+                if *d > near {
+                    let clear = 1.0 - 2.0 * sides.winding_number(x);
+                    *d = d.copysign(clear);
+                    *s = (clear * clear).min(1.0) / n as f64;
+                }
             }
         });
-        match failed.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
-            Some(error) => Err(error),
-            None => Ok(FarDistances { share, distance }),
-        }
+        Ok(FarDistances { share, distance })
     }
 }
 

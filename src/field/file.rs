@@ -216,15 +216,22 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
     let lower: [f64; 3] = std::array::from_fn(|_| at.f64());
     let cell: [f64; 3] = std::array::from_fn(|_| at.f64());
     let diagonal = at.f64();
-    let usable = |x: f64| x.is_finite() && x > 0.0;
+    // Neither the number nor its inverse may leave the range of doubles.
+    let usable = |x: f64| x > 0.0 && x.is_normal() && x.recip().is_normal();
     if !(lower.iter().all(|x| x.is_finite()) && cell.iter().all(|&c| usable(c)) && usable(diagonal)) {
-        let message = "the box is not finite, or an edge or the diagonal is not above 0".into();
+        let message = "the box is not finite, or an edge or the diagonal is no normal number above 0".into();
         return Err((Place::Byte(32), message));
     }
     let axes =
         std::array::from_fn(|a| Axis { lower: lower[a], cell: cell[a], n_cells: control_points[a] as usize - 3 });
     let n_points = at.u64();
-    let [iterations, _] = [at.u32(), at.u32()];
+    let iterations = at.u32();
+    if at.u32() != 0 {
+        return Err((
+            Place::Byte(100),
+            "bytes that must be 0 are not: the file is of a newer version, or altered".into(),
+        ));
+    }
     let report = FitReport {
         control_points,
         n_points,

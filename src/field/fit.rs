@@ -22,9 +22,10 @@ fn chosen_control_points(n_points: usize) -> usize {
 
 /// Bytes that the fit of `n_points` points with `n_unknowns` control points takes, its result included.
 pub fn memory(n_points: u128, n_unknowns: u128) -> u128 {
-    // A point: coordinates, normal and its place in the order. An unknown: the solution, five vectors of the solve, six of the regularisation,
-    // four and their coarser copies of the preconditioner.
-    n_points * (24 + 24 + 16) + n_unknowns * 8 * (1 + 1 + 5 + 6 + 5)
+    // A point: its coordinates, normal, place and masses; its copy in units of D; its surfel with the trees that measure distances to it.
+    // An unknown: the solution and the right-hand side, four vectors of the solve, six of the regularisation, five and their coarser copies of the
+    // preconditioner, eight of the distances.
+    n_points * (24 + 24 + 16 + 16 + 48 + 450) + n_unknowns * 8 * (2 + 4 + 6 + 5 + 8)
 }
 
 impl Field {
