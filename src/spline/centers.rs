@@ -31,7 +31,7 @@ impl Centers {
         Ok(Centers { shape, n_cells, scratch: [one, two] })
     }
 
-    /// values = sum over a cell's control points of w_i w_j w_k c_ijk [cells]
+    /// values = sum over a cell's control points of w_i w_j w_k c_ijk, one a cell
     pub fn gather(&mut self, w: &Taps, coefficients: &[f64], values: &mut [f64]) {
         let ([_, ny, nz], [cx, cy, cz]) = (self.shape, self.n_cells);
         let [one, two] = &mut self.scratch;
