@@ -20,14 +20,15 @@ declared=$(sed 's,//.*,,; /^ *\*/d; /^ *\/\*/d' "$root/include/keepout.h" | grep
 $(diff <(echo "$exported") <(echo "$declared") || true)"
 [[ $(grep -c . <<<"$exported") -ge 28 ]] || fail "only these are exported: $exported"
 
-readelf -d "$library" | grep -q "SONAME.*\[$soname\]" || fail "the soname is not $soname"
+# Whole outputs first: `grep -q` leaves early, and pipefail takes the broken pipe for a failure.
+grep -q "SONAME.*\[$soname\]" <<<"$(readelf -d "$library")" || fail "the soname is not $soname"
 [[ $(readlink "$lib_dir/libkeepout.so") == "$soname" && $(readlink "$lib_dir/$soname") == "$file" ]] || fail "the links are wrong"
 
 sections=$(readelf -SW "$library")
 grep -q '\.debug_info' <<<"$sections" && fail "the library still has its debug information"
 grep -q '\.symtab' <<<"$sections" && fail "the library still has its symbols"
 grep -q '\.gnu_debuglink' <<<"$sections" || fail "the library does not say where its debug information is"
-readelf -SW "$library.debug" | grep -q '\.debug_info' || fail "the debug file has no debug information"
+grep -q '\.debug_info' <<<"$(readelf -SW "$library.debug")" || fail "the debug file has no debug information"
 
 for shipped in "$library" "$library.debug" "$lib_dir/libkeepout.a"; do
     for folder in "$@" "$HOME/" "${CARGO_HOME:-$HOME/.cargo}/"; do
