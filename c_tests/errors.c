@@ -281,6 +281,7 @@ static void options_out_of_range_are_refused(void) {
     OPTION_FAILS(n_threads, 1000000000, KO_ERR_INVALID_ARGUMENT, "n_threads");
     OPTION_FAILS(struct_size, 0, KO_ERR_INVALID_ARGUMENT, "struct_size 0");
     OPTION_FAILS(struct_size, 7, KO_ERR_INVALID_ARGUMENT, "struct_size 7");
+    OPTION_FAILS(struct_size, sizeof(ko_fit_options) - 1, KO_ERR_INVALID_ARGUMENT, "struct_size ");
     OPTION_FAILS(struct_size, 1 << 20, KO_ERR_INVALID_ARGUMENT, "struct_size 1048576");
     OPTION_FAILS(max_iterations, 1, KO_ERR_NOT_CONVERGED, "after 1 iteration");
     ko_cloud_free(cloud);
@@ -321,6 +322,7 @@ static void unknown_options_are_unsupported(void) {
 
     ko_fit_options options;
     FAILS(ko_fit_options_init(&options, 3), KO_ERR_INVALID_ARGUMENT, "struct_size 3");
+    FAILS(ko_fit_options_init(&options, sizeof(ko_fit_options *)), KO_ERR_INVALID_ARGUMENT, "struct_size 8");
     ko_mesh *mesh = check_cube();
     ko_mesh_report report;
     FAILS(ko_mesh_get_report(mesh, 0, &report), KO_ERR_INVALID_ARGUMENT, "struct_size 0");

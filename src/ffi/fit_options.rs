@@ -58,9 +58,11 @@ pub struct ko_fit_options {
 
 // SAFETY: repr(C), starts with a usize, and no padding, by the order of its fields (checked below). Every pattern of bits is a value:
 // `progress` may be any address, as in C, and is only ever called as the caller promised.
-unsafe impl Sized_ for ko_fit_options {}
+unsafe impl Sized_ for ko_fit_options {
+    const FIRST_SIZE: usize = 2 * size_of::<usize>() + 80 + size_of::<ko_progress>();
+}
 
-const _: () = assert!(size_of::<ko_fit_options>() == 2 * size_of::<usize>() + 80 + size_of::<ko_progress>());
+const _: () = assert!(size_of::<ko_fit_options>() == <ko_fit_options as Sized_>::FIRST_SIZE);
 
 /// Fills `options` with the defaults. `struct_size` is sizeof *options.
 ///

@@ -138,7 +138,10 @@ pub(super) unsafe fn free<T>(pointer: *mut T) {
 ///
 /// # Safety
 /// `Self` is `repr(C)`, starts with a `usize`, has no padding, and every pattern of bits is a value of it.
-pub(super) unsafe trait Sized_: Copy {}
+pub(super) unsafe trait Sized_: Copy {
+    /// Size in the first version that had the struct: no caller knows less. What is smaller is a mistake, such as the size of a pointer.
+    const FIRST_SIZE: usize;
+}
 
 /// Copies the struct at `from`, whose first field tells how much of it the caller knows, over `defaults`.
 ///
@@ -180,14 +183,55 @@ pub(super) unsafe fn write_sized<T: Sized_>(to: *mut T, size: usize, value: T, n
     Ok(())
 }
 
-/// Every version of a struct has at least its size, and none will ever have a page.
-fn check_size<T>(size: usize, name: &str) -> Result<()> {
+/// No version of a struct is smaller than the first, and none will ever have a page.
+fn check_size<T: Sized_>(size: usize, name: &str) -> Result<()> {
     const LARGEST: usize = 4096;
-    if (size_of::<usize>()..=LARGEST).contains(&size) {
+    if (T::FIRST_SIZE..=LARGEST).contains(&size) {
         return Ok(());
     }
     Err(Error::InvalidArgument(format!(
         "{name} has struct_size {size}; it must be sizeof the struct, {} here: initialise it first",
         size_of::<T>()
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A struct that grew by its last field since its first version.
+    #[derive(Clone, Copy)]
+    #[repr(C)]
+    struct Grown {
+        struct_size: usize,
+        first: u64,
+        later: u64,
+    }
+
+    // SAFETY: repr(C), starts with a usize, plain numbers without padding.
+    unsafe impl Sized_ for Grown {
+        const FIRST_SIZE: usize = std::mem::offset_of!(Grown, later);
+    }
+
+    const DEFAULTS: Grown = Grown { struct_size: 0, first: 1, later: 2 };
+
+    #[test]
+    fn callers_of_the_first_version_are_served_with_their_part() {
+        let mut to = Grown { struct_size: 0, first: 0, later: 7 };
+        // SAFETY: `to` has these bytes.
+        unsafe { write_sized(&raw mut to, Grown::FIRST_SIZE, DEFAULTS, "to") }.unwrap();
+        assert_eq!((to.struct_size, to.first, to.later), (Grown::FIRST_SIZE, 1, 7));
+        to.first = 5;
+        // SAFETY: as above.
+        let read = unsafe { read_sized(&raw const to, DEFAULTS, "to") }.unwrap();
+        assert_eq!((read.first, read.later), (5, 2));
+    }
+
+    #[test]
+    fn the_size_of_a_pointer_is_refused() {
+        let mut to = DEFAULTS;
+        // SAFETY: `to` has these bytes.
+        let wrong = unsafe { write_sized(&raw mut to, size_of::<*const Grown>(), DEFAULTS, "to") };
+        assert!(matches!(wrong, Err(Error::InvalidArgument(text)) if text.contains("struct_size 8")));
+    }
 }

@@ -50,9 +50,11 @@ pub struct ko_mesh_report {
 }
 
 // SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
-unsafe impl Sized_ for ko_mesh_report {}
+unsafe impl Sized_ for ko_mesh_report {
+    const FIRST_SIZE: usize = size_of::<usize>() + 9 * 8 + 4 * 4 + 8 * 8;
+}
 
-const _: () = assert!(size_of::<ko_mesh_report>() == size_of::<usize>() + 9 * 8 + 4 * 4 + 8 * 8);
+const _: () = assert!(size_of::<ko_mesh_report>() == <ko_mesh_report as Sized_>::FIRST_SIZE);
 
 impl ko_mesh_report {
     /// # Safety
@@ -127,9 +129,11 @@ pub struct ko_fit_report {
 }
 
 // SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
-unsafe impl Sized_ for ko_fit_report {}
+unsafe impl Sized_ for ko_fit_report {
+    const FIRST_SIZE: usize = size_of::<usize>() + 6 * 4 + 3 * 8 + 14 * 8;
+}
 
-const _: () = assert!(size_of::<ko_fit_report>() == size_of::<usize>() + 6 * 4 + 3 * 8 + 14 * 8);
+const _: () = assert!(size_of::<ko_fit_report>() == <ko_fit_report as Sized_>::FIRST_SIZE);
 
 impl ko_fit_report {
     /// # Safety
