@@ -14,6 +14,9 @@ static void messages_are_of_this_thread_and_stay(void) {
     CHECK(strcmp(ko_last_error(), "") == 0);
     CHECK(strcmp(ko_status_string(KO_OK), "KO_OK") == 0);
     CHECK(strcmp(ko_status_string(KO_ERR_CANCELLED), "KO_ERR_CANCELLED") == 0);
+    for (int32_t status = KO_ERR_INTERNAL; status < 0; status++) {
+        CHECK(strncmp(ko_status_string(status), "KO_ERR_", 7) == 0);
+    }
     CHECK(strcmp(ko_status_string(12345), "unknown status") == 0);
     FAILS(ko_mesh_flip(NULL), KO_ERR_INVALID_ARGUMENT, "mesh is NULL");
     ko_mesh *mesh = check_cube();
@@ -272,6 +275,10 @@ static void options_out_of_range_are_refused(void) {
     OPTION_FAILS(lambda_normal, 0.0, KO_ERR_INVALID_ARGUMENT, "lambda_normal is 0");
     OPTION_FAILS(lambda_normal, nan_value, KO_ERR_INVALID_ARGUMENT, "lambda_normal is NaN");
     OPTION_FAILS(lambda_smooth, -1e-9, KO_ERR_INVALID_ARGUMENT, "lambda_smooth is -0.000000001");
+    OPTION_FAILS(distance_weight, -1.0, KO_ERR_INVALID_ARGUMENT, "distance_weight is -1");
+    OPTION_FAILS(distance_weight, nan_value, KO_ERR_INVALID_ARGUMENT, "distance_weight is NaN");
+    OPTION_FAILS(reweightings, 101, KO_ERR_INVALID_ARGUMENT, "reweightings is 101");
+    OPTION_FAILS(reweightings, UINT32_MAX, KO_ERR_INVALID_ARGUMENT, "reweightings is 4294967295");
     OPTION_FAILS(tolerance, 0.0, KO_ERR_INVALID_ARGUMENT, "tolerance is 0");
     OPTION_FAILS(tolerance, 2.0, KO_ERR_INVALID_ARGUMENT, "tolerance is 2");
     OPTION_FAILS(max_iterations, 0, KO_ERR_INVALID_ARGUMENT, "max_iterations is 0");

@@ -27,7 +27,8 @@ pub struct ko_fit_options {
     /// Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose: near-cubic cells, about
     /// twice as many control points as points, between 4096 and 262144.
     pub control_points: [u32; 3],
-    /// Rounds in which points that the surface misses are weighted more, against the largest error. 0: the paper's fit. Default 3.
+    /// Rounds in which points that the surface misses are weighted more, against the largest error; at most 100. 0: the paper's
+    /// fit. Default 3.
     pub reweightings: u32,
     /// How much longer than the cloud the box is along each axis. Default 0.15: 1.15 times the extents.
     pub margin: f64,

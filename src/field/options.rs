@@ -22,6 +22,9 @@ impl Feasible {
     }
 }
 
+/// Rounds of reweighting that a fit may be asked for; a few are all that help.
+const MOST_REWEIGHTINGS: u32 = 100;
+
 /// Options of [`Field::fit`](super::Field::fit). All weights are dimensionless, with lengths in units of the cloud's diagonal D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitOptions {
@@ -98,6 +101,9 @@ impl FitOptions {
             if !(low..=high).contains(&value) {
                 return wrong(format!("{name} is {value}; it must lie in [{low:e}, {high:e}]"));
             }
+        }
+        if self.reweightings > MOST_REWEIGHTINGS {
+            return wrong(format!("reweightings is {}; it must be at most {MOST_REWEIGHTINGS}", self.reweightings));
         }
         if self.max_iterations == 0 {
             return wrong("max_iterations is 0; at least 1 is needed".into());
