@@ -10,6 +10,7 @@
 //! | the box and its cells, Algorithm 1, steps 2 and 3 | [`domain`] |
 //! | (6), data terms | [`data`] |
 //! | (7), regularisation | [`smoothness`] |
+//! | (9), distances, in cells away from the surface | [`distance`] |
 //! | (10), the energy | [`energy`] |
 //! | (11), its minimum, Algorithm 1, step 4 | [`fit`] |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
@@ -19,6 +20,7 @@
 //! - Weights are dimensionless, so that units do not change the field. The paper's values taken as dimensionless give errors ten times as
 //!   large as ours: docs/weights.md.
 //! - Normals point to the feasible side or away from it as [`Feasible`] says; the paper's (6) takes them into the infeasible side.
+//! - Away from the surface phi is held to the distance to the cloud, (9), so that its sign is right there: [`distance`].
 //! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`].
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations.
 //! - Outside the box, where the paper's field ends, it is continued: [`beyond`].
