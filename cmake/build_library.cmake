@@ -15,6 +15,11 @@ set(cargo_home "$ENV{CARGO_HOME}")
 if(NOT cargo_home)
   set(cargo_home "$ENV{HOME}/.cargo")
 endif()
+# The folders below must be there before the flags are made: flags that change from the first build to the second build all anew.
+execute_process(COMMAND "${RUSTC}" -vV OUTPUT_VARIABLE version COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX MATCH "host: ([^\n]+)" host "${version}")
+execute_process(COMMAND "${CARGO}" fetch --quiet --locked --target "${CMAKE_MATCH_1}" WORKING_DIRECTORY "${SOURCE_DIR}"
+                COMMAND_ERROR_IS_FATAL ANY)
 file(GLOB registries "${cargo_home}/registry/src/*")
 set(flags "--remap-path-prefix=${cargo_home}=cargo")
 foreach(registry IN LISTS registries)
