@@ -27,6 +27,7 @@ stage() {
 
 packages() {
     source cmake/install_missing.sh
+    need_rust || return 1
     need gcc command -v cc
     need g++ command -v c++
     need libc6-dev test -f /usr/include/stdio.h

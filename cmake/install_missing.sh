@@ -1,5 +1,13 @@
-# Sourced by scripts that need programs or libraries which Debian packages. Calls: need PACKAGE TEST..., then install_missing.
+# Sourced by scripts that need programs or libraries which Debian packages. Calls: need_rust; need PACKAGE TEST..., then install_missing.
 missing=()
+
+# Finds cargo, also where rustup put it and this shell was not told; Debian's own is too old, so nothing is installed.
+need_rust() {
+  command -v cargo >/dev/null || PATH=${CARGO_HOME:-$HOME/.cargo}/bin:$PATH
+  command -v cargo >/dev/null && return
+  echo "there is no Rust toolchain here: install one as https://rustup.rs says, and run this again" >&2
+  return 1
+}
 
 # Notes PACKAGE when the command TEST... fails.
 need() {

@@ -6,6 +6,7 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$top/build/example
 
 source "$top/cmake/install_missing.sh"
+need_rust
 need gcc command -v cc
 need libc6-dev test -f /usr/include/stdio.h
 need make command -v make
