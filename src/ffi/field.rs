@@ -22,8 +22,9 @@ pub struct ko_field(Field);
 ///
 /// `options` NULL: the defaults. phi > 0 on the feasible side; |phi| is close to the distance near the surface and smooth everywhere.
 /// `*field` is the caller's to free; it does not refer to the cloud.
-/// Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range, KO_ERR_DEGENERATE for points that are all equal,
-/// KO_ERR_OUT_OF_MEMORY with the bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
+/// Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
+/// equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
+/// bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
 /// Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 70 ns a point and 40 ns a control point on one
 /// thread; a few hundred are usual. Memory: about 600 bytes a point and 200 a control point.
 #[unsafe(no_mangle)]
@@ -86,7 +87,9 @@ pub unsafe extern "C" fn ko_field_eval(
 
 /// `ko_field_eval` with the batch spread over `n_threads` threads (0: all cores, 1: none but the caller's); the same bits.
 ///
-/// Starts the threads and joins them, which takes some 100 microseconds: for batches of many thousand points.
+/// Errors: those of `ko_field_eval`; KO_ERR_INVALID_ARGUMENT for more than 1024 threads or threads that do not start.
+/// Threads: any number at once. Cost: starts the threads and joins them, which takes some 100 microseconds and memory: for batches of many
+/// thousand points.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_eval_parallel(
     field: *const ko_field,
@@ -144,7 +147,8 @@ pub unsafe extern "C" fn ko_field_get_report(
 
 /// Writes the field to the file `path`: little-endian, with version and checksum, the same on every machine.
 ///
-/// A file that stood there is replaced whole or, after an error, left as it was. Errors: KO_ERR_IO. Threads: any. Cost: one pass.
+/// A file that stood there is replaced whole or, after an error, left as it was.
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path, KO_ERR_IO. Threads: any. Cost: one pass.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_save(field: *const ko_field, path: *const c_char) -> i32 {
     guard(|| {
@@ -156,7 +160,8 @@ pub unsafe extern "C" fn ko_field_save(field: *const ko_field, path: *const c_ch
 
 /// Reads a field that `ko_field_save` wrote; it evaluates to the same bits. `*field` is the caller's to free.
 ///
-/// Errors: KO_ERR_IO; KO_ERR_FORMAT for a file that is no field, of another version, cut short or altered. Threads: any. Cost: one pass.
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path; KO_ERR_IO; KO_ERR_FORMAT for a file that is no field, of another version, cut
+/// short or altered; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: one pass.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_load(path: *const c_char, field: *mut *mut ko_field) -> i32 {
     guard(|| {

@@ -30,24 +30,24 @@ pub struct ko_fit_options {
     /// Rounds in which points that the surface misses are weighted more, against the largest error; at most 100. 0: the paper's
     /// fit. Default 3.
     pub reweightings: u32,
-    /// How much longer than the cloud the box is along each axis. Default 0.15: 1.15 times the extents.
+    /// How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
     pub margin: f64,
-    /// lambda_n of (10): weight of the normals. Default 1e-4.
+    /// lambda_n of (10): weight of the normals, in [1e-12, 1e12]. Default 1e-4.
     pub lambda_normal: f64,
-    /// lambda_r of (10): weight of the smoothness. Default 3e-10.
+    /// lambda_r of (10): weight of the smoothness, in [1e-20, 1e12]. Default 3e-10.
     pub lambda_smooth: f64,
     /// Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
-    /// units of D. It keeps the sign right far from the data. 0: none, the paper's fit. Default 50.
+    /// units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 50.
     pub distance_weight: f64,
-    /// Relative residual of the solve to reach. Default 1e-4.
+    /// Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-4.
     pub tolerance: f64,
     /// KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where phi > 0.
     pub feasible: i32,
-    /// Iterations in all after which not having reached the tolerance is KO_ERR_NOT_CONVERGED. Default 20000.
+    /// Iterations in all after which not having reached the tolerance is KO_ERR_NOT_CONVERGED; at least 1. Default 20000.
     pub max_iterations: u32,
     /// Bytes that the fit may take; a larger one is refused before any is taken. Default 8 GiB.
     pub memory_limit: u64,
-    /// Threads: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+    /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
     pub n_threads: u32,
     /// Must be 0.
     pub reserved: u32,

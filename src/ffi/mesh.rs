@@ -17,8 +17,8 @@ pub struct ko_mesh(Mesh);
 ///
 /// The format is told by the content where it has a mark, else by the name's ending. Polygons are cut into fans of triangles; the equal
 /// vertices of an STL are merged. `path` is UTF-8 on Windows, bytes elsewhere. `*mesh` is the caller's to free.
-/// Errors: KO_ERR_IO, KO_ERR_FORMAT with line or byte, KO_ERR_UNSUPPORTED for other formats, KO_ERR_OUT_OF_MEMORY.
-/// Threads: any. Cost: one pass over the file.
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path, KO_ERR_IO, KO_ERR_FORMAT with line or byte, KO_ERR_UNSUPPORTED for other
+/// formats, KO_ERR_OUT_OF_MEMORY, also for more than 4 GiB after unpacking. Threads: any. Cost: one pass over the file.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_read(path: *const c_char, mesh: *mut *mut ko_mesh) -> i32 {
     guard(|| {
@@ -60,7 +60,9 @@ pub unsafe extern "C" fn ko_mesh_free(mesh: *mut ko_mesh) {
     guard_free(|| unsafe { free(mesh) });
 }
 
-/// Tells how many vertices and triangles the mesh has. Either output may be NULL. Threads: any. Cost: none.
+/// Tells how many vertices and triangles the mesh has. Either output may be NULL.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for no mesh. Threads: any. Cost: none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_get_size(
     mesh: *const ko_mesh,
@@ -84,7 +86,7 @@ pub unsafe extern "C" fn ko_mesh_get_size(
 
 /// Copies the mesh to `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles]; either may be NULL.
 ///
-/// The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+/// The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for other counts. Threads: any. Cost: a copy.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_copy(
     mesh: *const ko_mesh,
@@ -112,7 +114,7 @@ pub unsafe extern "C" fn ko_mesh_copy(
 
 /// Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
 ///
-/// `struct_size` is `sizeof *report`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any.
+/// `struct_size` is sizeof *report. Errors: KO_ERR_INVALID_ARGUMENT, KO_ERR_OUT_OF_MEMORY. Threads: any.
 /// Cost: O(n_triangles log n_triangles), with some 100 bytes a triangle taken meanwhile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_get_report(
@@ -145,7 +147,7 @@ pub unsafe extern "C" fn ko_mesh_flip(mesh: *mut ko_mesh) -> i32 {
 ///
 /// Normals are smooth across edges of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
 /// coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
-/// Errors: KO_ERR_INVALID_ARGUMENT for no points, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
+/// Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
 /// Threads: any. Cost: O(n_points log n_points + n_triangles).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_sample(
@@ -168,7 +170,7 @@ pub unsafe extern "C" fn ko_mesh_sample(
 /// Exact signed distances of `points` [3 * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
 ///
 /// The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
-/// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite.
+/// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
 /// Threads: any number at once. Cost: O(log n_triangles) a point; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_signed_distance(
