@@ -12,7 +12,7 @@ static double extent(const ko_fit_report *report, int axis)
     return report->box_max[axis] - report->box_min[axis];
 }
 
-/* Looks along the shortest axis; the longer of the others lies. */
+/* Looks against the shortest axis, so that the others lie as in a right-handed frame. */
 static void choose_plane(const ko_fit_report *report, int longest, struct slice *slice)
 {
     int shortest = 2;
@@ -21,14 +21,10 @@ static void choose_plane(const ko_fit_report *report, int longest, struct slice 
             shortest = k;
     slice->right = (shortest + 1) % 3;
     slice->up = (shortest + 2) % 3;
-    if (extent(report, slice->up) > extent(report, slice->right)) {
-        const int swapped = slice->right;
-        slice->right = slice->up;
-        slice->up = swapped;
-    }
-    slice->width = longest;
-    slice->pixel = extent(report, slice->right) / longest;
-    slice->height = (int)ceil(extent(report, slice->up) / slice->pixel);
+    const double width = extent(report, slice->right), height = extent(report, slice->up);
+    slice->pixel = fmax(width, height) / longest;
+    slice->width = (int)ceil(width / slice->pixel);
+    slice->height = (int)ceil(height / slice->pixel);
 }
 
 static void place_points(const ko_fit_report *report, const struct slice *slice, double *points)
