@@ -10,6 +10,11 @@ static_assert(!std::is_copy_constructible_v<keepout::Mesh> && std::is_nothrow_mo
 static_assert(!std::is_copy_constructible_v<keepout::Cloud> && std::is_nothrow_move_constructible_v<keepout::Cloud>);
 static_assert(!std::is_copy_constructible_v<keepout::Field> && std::is_nothrow_move_constructible_v<keepout::Field>);
 
+static_assert(std::is_convertible_v<std::vector<double>, keepout::Span<const double>>);
+static_assert(std::is_convertible_v<std::vector<double> &, keepout::Span<double>>);
+static_assert(std::is_convertible_v<keepout::Span<double>, keepout::Span<const double>>);
+static_assert(!std::is_convertible_v<std::vector<double>, keepout::Span<double>>, "results would go with the temporary");
+
 /// The call throws an Error with this status and these words.
 #define THROWS(call, right, words)                                                      \
     do {                                                                                \

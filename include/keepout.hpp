@@ -7,6 +7,10 @@
 #ifndef KEEPOUT_HPP
 #define KEEPOUT_HPP
 
+#if (defined(_MSVC_LANG) ? _MSVC_LANG : __cplusplus) < 201703L
+#error "keepout.hpp needs C++17; keepout.h serves older compilers"
+#endif
+
 #include "keepout.h"
 
 #include <cstddef>
@@ -42,10 +46,11 @@ public:
     constexpr Span() noexcept = default;
     constexpr Span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
 
-    /// Of anything with contiguous T: std::vector, std::array, an array.
+    /// Of anything with contiguous T: std::vector, std::array, an array. A temporary vector is taken to be read, not to be written to.
     template <class C, class = std::enable_if_t<
                            std::is_convertible_v<decltype(std::data(std::declval<C &>())), T *> &&
-                           !std::is_same_v<std::remove_cv_t<std::remove_reference_t<C>>, Span>>>
+                           !std::is_same_v<std::remove_cv_t<std::remove_reference_t<C>>, Span> &&
+                           (std::is_lvalue_reference_v<C> || std::is_const_v<T> || std::is_trivially_copyable_v<C>)>>
     constexpr Span(C &&array) noexcept : data_(std::data(array)), size_(std::size(array)) {}
 
     constexpr T *data() const noexcept { return data_; }
@@ -99,7 +104,7 @@ enum class Progress { go_on, cancel };
 
 /// ko_fit_options with the defaults, and a function to be told of progress: fraction in [0, 1], stage.
 ///
-/// What it throws cancels the fit and comes out of Field::fit.
+/// What it throws cancels the fit and comes out of Field::fit. Where it is set, `progress` and `progress_data` are not called.
 struct FitOptions : ko_fit_options {
     FitOptions() : ko_fit_options() { detail::check(ko_fit_options_init(this, sizeof(ko_fit_options))); }
 
