@@ -230,11 +230,11 @@ typedef struct ko_fit_options {
     double lambda_smooth;
     /**
      * Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
-     * units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 50.
+     * units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 150.
      */
     double distance_weight;
     /**
-     * Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-4.
+     * Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-3.
      */
     double tolerance;
     /**

@@ -13,6 +13,9 @@ pub const THREAD_NAME: &str = "keepout";
 /// Threads that a call may ask for. Far more than help; asked for a thousand million, the pool would start tens of thousands of them.
 pub const MOST_THREADS: u32 = 1024;
 
+/// Bytes of a thread's stack.
+const STACK: usize = 2 << 20;
+
 /// The threads of one call. Dropping it joins them.
 pub struct Workers {
     pool: Option<rayon::ThreadPool>,
@@ -41,15 +44,20 @@ impl Workers {
             .thread_name(|i| format!("{THREAD_NAME}-{i}"))
             .spawn_handler(|thread| {
                 let name = thread.name().unwrap_or(THREAD_NAME).to_owned();
-                threads.push(std::thread::Builder::new().name(name).spawn(|| thread.run())?);
+                threads.push(std::thread::Builder::new().name(name).stack_size(STACK).spawn(|| thread.run())?);
                 Ok(())
             })
             .build();
         match pool {
             Ok(pool) => Ok(Workers { pool: Some(pool), threads }),
-            Err(e) => {
+            Err(_) => {
                 join(threads);
-                Err(Error::InvalidArgument(format!("n_threads = {n_threads}: the threads could not be started: {e}")))
+                // What the system is short of: each thread takes a stack.
+                Err(Error::OutOfMemory {
+                    what: format!("the stacks of {n_threads} threads"),
+                    bytes: n_threads as u128 * STACK as u128,
+                    limit: None,
+                })
             }
         }
     }

@@ -24,3 +24,31 @@ fn the_committed_header_is_up_to_date() {
         "include/keepout.h is stale: run `KEEPOUT_BLESS=1 cargo test --test header` and commit it"
     );
 }
+
+/// The number after "Default" in the comment on a field of ko_fit_options.
+fn documented_default(header: &str, field: &str) -> f64 {
+    let (before, _) = header.split_once(&format!(" {field};")).expect("the field is in the header");
+    let (_, comment) = before.rsplit_once("/**").expect("the field has a comment");
+    let (_, default) = comment.split_once("Default ").expect("the comment tells the default");
+    let number: String = default.chars().take_while(|c| c.is_ascii_alphanumeric() || ".-".contains(*c)).collect();
+    number.trim_end_matches('.').parse().expect("the default is a number")
+}
+
+#[test]
+fn the_header_tells_the_defaults_of_the_code() {
+    let header = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("include/keepout.h"));
+    let header = header.expect("include/keepout.h is there");
+    let d = keepout::field::FitOptions::default();
+    let defaults = [
+        ("reweightings", f64::from(d.reweightings)),
+        ("margin", d.margin),
+        ("lambda_normal", d.normal_weight),
+        ("lambda_smooth", d.smooth_weight),
+        ("distance_weight", d.distance_weight),
+        ("tolerance", d.tolerance),
+        ("max_iterations", f64::from(d.max_iterations)),
+    ];
+    for (field, default) in defaults {
+        assert_eq!(documented_default(&header, field), default, "{field}");
+    }
+}

@@ -8,7 +8,6 @@ use super::report::ko_fit_report;
 use crate::Result;
 use crate::field::{Field, Outputs};
 use crate::geometry::vec3::Vec3;
-use crate::par::Workers;
 use crate::progress::Progress;
 use std::ffi::{CString, c_char};
 use std::ops::ControlFlow;
@@ -103,7 +102,7 @@ pub unsafe extern "C" fn ko_field_eval_parallel(
     guard(|| {
         // SAFETY: the header asks for a field and arrays of these lengths.
         let (field, points, outputs) = unsafe { batch(field, points, n_points, values, gradients, hessians) }?;
-        field.eval_parallel(points, outputs, &Workers::new(n_threads)?)
+        field.eval_parallel(points, outputs, n_threads)
     })
 }
 

@@ -37,9 +37,9 @@ pub struct ko_fit_options {
     /// lambda_r of (10): weight of the smoothness, in [1e-20, 1e12]. Default 3e-10.
     pub lambda_smooth: f64,
     /// Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
-    /// units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 50.
+    /// units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 150.
     pub distance_weight: f64,
-    /// Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-4.
+    /// Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-3.
     pub tolerance: f64,
     /// KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where phi > 0.
     pub feasible: i32,

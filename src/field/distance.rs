@@ -35,8 +35,10 @@ pub struct FarDistances {
 
 impl FarDistances {
     /// The distances to `cloud`, positive outside, at the centres of the cells of `grid`; both in units of D.
-    pub fn new(cloud: &Cloud, grid: &Grid, workers: &Workers) -> Result<Self> {
-        const CHUNK: usize = 4096;
+    /// `tell` is told the fraction done, and may stop.
+    pub fn new(cloud: &Cloud, grid: &Grid, workers: &Workers, mut tell: impl FnMut(f64) -> Result<()>) -> Result<Self> {
+        const CHUNK: usize = 1024;
+        const ROUND: usize = 32;
         let n_cells = grid.axes.map(|a| a.n_cells);
         let n = n_cells.iter().product();
         let center = |c: usize| -> Vec3 {
@@ -48,20 +50,24 @@ impl FarDistances {
         let sides = surfels.distance_tree()?;
         let near = NEAREST * grid.longest_cell();
         let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
-        let chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
-        workers.for_each(chunks, |(chunk, (distance, share))| {
-            for (i, (d, s)) in distance.iter_mut().zip(share).enumerate() {
-                let x = center(chunk * CHUNK + i);
-                let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
-                points.nearest(x, |_| true, &mut nearest);
-                *d = nearest[0].distance_squared.sqrt();
-                if *d > near {
-                    let clear = 1.0 - 2.0 * sides.winding_number(x);
-                    *d = d.copysign(clear);
-                    *s = (clear * clear).min(1.0) / n as f64;
+        let mut chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
+        // Some chunks at a time, so that the caller hears of them.
+        for done in (0..n).step_by(ROUND * CHUNK) {
+            tell(done as f64 / n as f64)?;
+            workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
+                for (i, (d, s)) in distance.iter_mut().zip(share).enumerate() {
+                    let x = center(chunk * CHUNK + i);
+                    let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
+                    points.nearest(x, |_| true, &mut nearest);
+                    *d = nearest[0].distance_squared.sqrt();
+                    if *d > near {
+                        let clear = 1.0 - 2.0 * sides.winding_number(x);
+                        *d = d.copysign(clear);
+                        *s = (clear * clear).min(1.0) / n as f64;
+                    }
                 }
-            }
-        });
+            });
+        }
         Ok(FarDistances { share, distance })
     }
 }

@@ -55,10 +55,11 @@ impl Field {
         self.eval_from(0, points, outputs)
     }
 
-    /// [`Field::eval`] with the batch spread over `workers`; the same bits.
-    pub fn eval_parallel(&self, points: &[Vec3], outputs: Outputs, workers: &Workers) -> Result<()> {
+    /// [`Field::eval`] with the batch spread over `n_threads` threads, as [`Workers::new`] takes them; the same bits.
+    pub fn eval_parallel(&self, points: &[Vec3], outputs: Outputs, n_threads: u32) -> Result<()> {
         const ITEM: usize = 16 * BLOCK;
         outputs.check(points.len())?;
+        let workers = if points.len() <= ITEM { Workers::caller_only() } else { Workers::new(n_threads)? };
         let mut rest = outputs;
         let mut items = Vec::with_capacity(points.len().div_ceil(ITEM));
         for (i, points) in points.chunks(ITEM).enumerate() {
@@ -83,7 +84,7 @@ impl Field {
 
     /// Whether each of `points` lies outside the box, where the field is continued: see [`beyond`](super::beyond).
     pub fn outside_box(&self, points: &[Vec3], outside: &mut [u8]) -> Result<()> {
-        check_finite(0, points)?;
+        check_points(0, points)?;
         for (p, outside) in points.iter().zip(outside) {
             *outside = u8::from(!self.in_box(self.to_cells(*p)));
         }
@@ -94,7 +95,7 @@ impl Field {
     fn eval_from(&self, first: usize, points: &[Vec3], outputs: Outputs) -> Result<()> {
         let mut rest = outputs;
         for (b, points) in points.chunks(BLOCK).enumerate() {
-            check_finite(first + b * BLOCK, points)?;
+            check_points(first + b * BLOCK, points)?;
             let (block, behind) = rest.split(points.len());
             rest = behind;
             match block {
@@ -182,13 +183,20 @@ impl Field {
     }
 }
 
-/// Refuses points that are not finite, naming the first by its index in the batch.
-fn check_finite(first: usize, points: &[Vec3]) -> Result<()> {
-    match points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+/// Coordinates up to this size keep every step of an evaluation in the range of doubles.
+const LARGEST: f64 = 1e150;
+
+/// Refuses points that are not finite, or too far, naming the first by its index in the batch.
+fn check_points(first: usize, points: &[Vec3]) -> Result<()> {
+    // A NaN compares as false.
+    let served = |p: &Vec3| p.iter().all(|x| x.abs() <= LARGEST);
+    match points.iter().position(|p| !served(p)) {
         None => Ok(()),
         Some(i) => {
-            let [x, y, z] = points[i];
-            Err(Error::InvalidArgument(format!("point {} is ({x}, {y}, {z}); coordinates must be finite", first + i)))
+            let ([x, y, z], i) = (points[i], first + i);
+            let text =
+                format!("point {i} is ({x}, {y}, {z}); coordinates must be finite, and at most {LARGEST:e} in size");
+            Err(Error::InvalidArgument(text))
         }
     }
 }

@@ -53,8 +53,9 @@ impl Field {
         let far = match options.distance_weight {
             0.0 => None,
             weight => {
-                progress.tell(0.01, "distances")?;
-                let far = FarDistances::new(&in_units_of_the_box(cloud, &grid, d)?, energy.grid(), &workers)?;
+                let cloud = in_units_of_the_box(cloud, &grid, d)?;
+                let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
+                let far = FarDistances::new(&cloud, energy.grid(), &workers, tell)?;
                 energy = energy.with_distances(&far, weight)?;
                 Some(far)
             }
@@ -82,7 +83,7 @@ impl Field {
                 // The residual falls by about a factor an iteration, so its logarithm tells how far a solve is.
                 let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
                 let fraction = (f64::from(round) + solved) / f64::from(options.reweightings + 1);
-                progress.tell(0.02 + 0.96 * fraction, "solve")
+                progress.tell(0.1 + 0.88 * fraction, "solve")
             })?;
             x = solution;
             report.iterations += done.iterations as u32;
