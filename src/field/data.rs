@@ -59,7 +59,9 @@ impl Data {
         ))
     }
 
-    /// The points of each cell of `grid` merged into one at their centre of mass, in cells twice as long.
+    /// Neighbours in the order of the points that share a cell of `grid` merged into one at their centre of mass, in cells twice as long.
+    ///
+    /// The order is that of the finest grid's cells, so a cell of a coarser grid keeps a point for each pair of its rows there.
     fn merged(&self, grid: &Grid) -> Result<Self> {
         let n = self.xi.len();
         let (mut xi, mut mass) = (try_with_capacity(n, "merged points")?, try_with_capacity(n, "merged points")?);
@@ -69,9 +71,14 @@ impl Data {
             let home = cell(&self.xi[start]);
             let len = self.xi[start..].iter().take_while(|xi| cell(xi) == home).count();
             let members = start..start + len;
-            let value = members.clone().map(|p| self.mass[p].value).sum();
+            let value: f64 = members.clone().map(|p| self.mass[p].value).sum();
             let gradient = members.clone().map(|p| self.mass[p].gradient).sum();
-            let mean = |a: usize| members.clone().map(|p| self.mass[p].value * self.xi[p][a]).sum::<f64>() / value;
+            let mean = |a: usize| {
+                let along = || members.clone().map(|p| self.xi[p][a]);
+                let mean = members.clone().map(|p| self.mass[p].value * self.xi[p][a]).sum::<f64>() / value;
+                // Rounded, it may lie beyond its members, in the next cell and so in the wrong slab.
+                mean.clamp(along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max))
+            };
             xi.push(std::array::from_fn(|a| 0.5 * mean(a)));
             mass.push(Mass { value, gradient });
             start += len;
@@ -187,5 +194,30 @@ impl DataTerm {
                 }
             });
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::Axis;
+
+    #[test]
+    fn points_just_below_a_knot_stay_in_their_slab_when_they_are_merged() {
+        let axis = |n_cells| Axis { lower: 0.0, cell: 1.0, n_cells };
+        let grid = Grid { axes: [axis(16), axis(8), axis(8)] };
+        let below = f64::from_bits(8f64.to_bits() - 1);
+        // As many points in the cell (7, j, k) as make their mean round up in some cells and not in others.
+        let points: Vec<Vec3> = (0..64)
+            .flat_map(|c| (0..=c % 60).map(move |_| [below, f64::from(c / 8) + 0.5, f64::from(c % 8) + 0.5]))
+            .collect();
+        let normals = vec![[1.0, 0.0, 0.0]; points.len()];
+        let (data, _) = Data::new(&Cloud::new(points, normals).unwrap(), &grid).unwrap();
+        let coarse = Grid { axes: [8, 4, 4].map(|n| Axis { lower: 0.0, cell: 2.0, n_cells: n }) };
+        let coarser = DataTerm::new(data, grid, 1.0).coarser(coarse).unwrap();
+        assert!(coarser.data.xi.iter().all(|xi| xi[0] < 4.0));
+        let mut diagonal = vec![0.0; coarse.n_control()];
+        coarser.add_diagonal(&Workers::caller_only(), &mut diagonal);
+        assert!(diagonal.iter().all(|d| *d >= 0.0));
     }
 }
