@@ -10,14 +10,15 @@
 //! ```
 //!
 //! x a cell's centre, h the longest cell edge. phi then follows d over lengths above h / w^(1/4) and rounds its kinks below. d is
-//! the distance to the nearest point of the cloud, signed by the winding number W of its surfels; s = (2 W - 1)^2 fades the term out where an open
-//! shape has no clear side.
+//! the distance to the nearest point of the cloud, with the sign of t - 2 W, W the winding number of its surfels, and s = (t - 2 W)^2, at most 1,
+//! fades the term out where an open shape has no clear side. t is 1 where the normals point out of a solid: W is 1 inside and 0 outside. Around a
+//! cavity, where they point inwards, W is -1 inside and 0 outside, and t is -1, so that d is positive where the normals point to.
 
 use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
 use crate::geometry::neighbours::{Neighbour, Neighbours};
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec3::{Vec3, dot, sub};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::centers::{Centers, taps};
@@ -61,15 +62,31 @@ impl FarDistances {
                     points.nearest(x, |_| true, &mut nearest);
                     *d = nearest[0].distance_squared.sqrt();
                     if *d > near {
-                        let clear = 1.0 - 2.0 * sides.winding_number(x);
-                        *d = d.copysign(clear);
-                        *s = (clear * clear).min(1.0) / n as f64;
+                        let i = nearest[0].index as usize;
+                        *d = d.copysign(dot(sub(x, cloud.points()[i]), cloud.normals()[i]));
+                        *s = sides.winding_number(x);
                     }
                 }
             });
         }
+        // From here on, d is signed by the nearest normal, and W stands in the place of s.
+        let t = turn(distance.iter().zip(&share).filter(|(d, _)| d.abs() > near));
+        for (d, s) in distance.iter_mut().zip(&mut share).filter(|(d, _)| d.abs() > near) {
+            let clear = t - 2.0 * *s;
+            *d = d.copysign(clear);
+            *s = (clear * clear).min(1.0) / n as f64;
+        }
         Ok(FarDistances { share, distance })
     }
+}
+
+/// t: -1 where three quarters of the places outside, where W is about 0, lie behind the normals nearest to them; 1 elsewhere. Each `far` place comes
+/// as its distance, signed by the nearest normal, and W. One normal errs beyond a sharp edge; most do not.
+fn turn<'a>(far: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
+    let (before, behind) = far.filter(|(_, w)| w.abs() < 0.25).fold((0u64, 0u64), |(before, behind), (d, _)| {
+        if d.is_sign_positive() { (before + 1, behind) } else { (before, behind + 1) }
+    });
+    if behind > 3 * before { -1.0 } else { 1.0 }
 }
 
 /// The term on one grid: sum of mass (phi - d)^2 over the centres of cells.

@@ -300,6 +300,25 @@ fn the_sign_is_right_away_from_the_surface_of_a_thin_plate() {
 }
 
 #[test]
+fn normals_into_a_cavity_make_its_inside_positive_and_its_outside_negative() {
+    for mesh in [torus(1.0, 0.4, 60, 30).unwrap(), box_mesh([-1.0, -0.6, -0.02], [1.0, 0.6, 0.02]).unwrap()] {
+        let cloud = mesh.sample(3000, 1).unwrap();
+        let inward = cloud.normals().iter().map(|n| scale(-1.0, *n)).collect();
+        let cavity = Cloud::new(cloud.points().to_vec(), inward).unwrap();
+        for margin in [0.15, 1.0] {
+            let field = fit(&cavity, &FitOptions { margin, ..FitOptions::default() });
+            let points = points_around(&field, 1.0, 3000);
+            let mut exact = vec![0.0; points.len()];
+            mesh.distance_tree().unwrap().signed_distances(&points, &mut exact).unwrap();
+            let cell = field.grid().longest_cell();
+            for ((p, d), phi) in points.iter().zip(&exact).zip(values(&field, &points)) {
+                assert!(d.abs() < cell || d * phi < 0.0, "{p:?}: phi = {phi}, distance {d}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_sphere_is_met_closely_and_better_with_more_control_points() {
     let ball = sphere([0.0; 3], 1.0, 5).unwrap().sample(4000, 1).unwrap();
     let rms = |n: u32| fit(&ball, &FitOptions { control_points: [n; 3], ..options() }).report().rms;
