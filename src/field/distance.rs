@@ -35,9 +35,9 @@ pub struct FarDistances {
 }
 
 impl FarDistances {
-    /// The distances to `cloud`, positive outside, at the centres of the cells of `grid`; both in units of D.
+    /// The distances to `cloud`, positive where its normals point to, at the centres of the cells of `grid`; both in units of D.
     /// `tell` is told the fraction done, and may stop.
-    pub fn new(cloud: &Cloud, grid: &Grid, workers: &Workers, mut tell: impl FnMut(f64) -> Result<()>) -> Result<Self> {
+    pub fn new(cloud: Cloud, grid: &Grid, workers: &Workers, mut tell: impl FnMut(f64) -> Result<()>) -> Result<Self> {
         const CHUNK: usize = 1024;
         const ROUND: usize = 32;
         let n_cells = grid.axes.map(|a| a.n_cells);
@@ -46,6 +46,8 @@ impl FarDistances {
             let index = [c / (n_cells[1] * n_cells[2]), c / n_cells[2] % n_cells[1], c % n_cells[2]];
             std::array::from_fn(|a| grid.axes[a].lower + (index[a] as f64 + 0.5) * grid.axes[a].cell)
         };
+        // Copies of a point have no room between them, and their surfels no area.
+        let cloud = cloud.without_copies()?;
         let points = Neighbours::new(cloud.points())?;
         let surfels = cloud.surfels(&points)?;
         let sides = surfels.distance_tree()?;

@@ -55,7 +55,7 @@ impl Field {
             weight => {
                 let cloud = in_units_of_the_box(cloud, &grid, d)?;
                 let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
-                let far = FarDistances::new(&cloud, energy.grid(), &workers, tell)?;
+                let far = FarDistances::new(cloud, energy.grid(), &workers, tell)?;
                 energy = energy.with_distances(&far, weight)?;
                 Some(far)
             }

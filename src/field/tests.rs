@@ -319,6 +319,19 @@ fn normals_into_a_cavity_make_its_inside_positive_and_its_outside_negative() {
 }
 
 #[test]
+fn points_given_more_than_once_leave_the_sides_where_they_are() {
+    let cloud = sphere([0.0; 3], 1.0, 4).unwrap().sample(2000, 1).unwrap();
+    for copies in [2, 3, 6] {
+        let many = Cloud::new(cloud.points().repeat(copies), cloud.normals().repeat(copies)).unwrap();
+        let field = fit(&many, &options());
+        for (r, d) in [(0.3, -0.7), (0.6, -0.4), (1.1, 0.1)] {
+            let phi = values(&field, &[scale(r, [0.6, 0.0, 0.8])])[0];
+            assert!((phi - d).abs() < 0.05, "{copies} copies: {phi} at distance {d}");
+        }
+    }
+}
+
+#[test]
 fn a_sphere_is_met_closely_and_better_with_more_control_points() {
     let ball = sphere([0.0; 3], 1.0, 5).unwrap().sample(4000, 1).unwrap();
     let rms = |n: u32| fit(&ball, &FitOptions { control_points: [n; 3], ..options() }).report().rms;

@@ -1,7 +1,8 @@
 //! An oriented point cloud: points on a surface with unit normals.
 
 use super::Bounds;
-use super::vec3::{Vec3, dot, normalized};
+use super::vec3::{Vec3, add, dot, normalized};
+use crate::error::try_with_capacity;
 use crate::{Error, Result};
 
 /// Where on a mesh a point of a cloud was taken.
@@ -64,6 +65,37 @@ impl Cloud {
         self
     }
 
+    /// The cloud with points that are given more than once, as the vertices of a triangle soup are, made one where their normals agree: it has
+    /// the mean of their normals. Copies that face against each other are the two sides of a sheet, and stay.
+    pub(crate) fn without_copies(self) -> Result<Self> {
+        let mut order = try_with_capacity(self.len(), "the order of the points")?;
+        order.extend(0..self.len());
+        // -0.0 + 0.0 is 0.0: the two zeros are one place.
+        let place = |&i: &usize| self.points[i].map(|x| x + 0.0);
+        let by_place =
+            |a: &[f64; 3], b: &[f64; 3]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+        order.sort_unstable_by(|i, j| by_place(&place(i), &place(j)).then(i.cmp(j)));
+        if order.windows(2).all(|pair| place(&pair[0]) != place(&pair[1])) {
+            return Ok(self);
+        }
+        let mut points = try_with_capacity(self.len(), "the points given once")?;
+        let mut normals: Vec<Vec3> = try_with_capacity(self.len(), "the normals of the points given once")?;
+        for copies in order.chunk_by(|i, j| place(i) == place(j)) {
+            let first = points.len();
+            for &i in copies {
+                let normal = self.normals[i];
+                match normals[first..].iter_mut().find(|sum| dot(**sum, normal) > 0.0) {
+                    Some(sum) => *sum = add(*sum, normal),
+                    None => {
+                        points.push(self.points[i]);
+                        normals.push(normal);
+                    }
+                }
+            }
+        }
+        Cloud::new(points, normals)
+    }
+
     /// Number of points N.
     pub fn len(&self) -> usize {
         self.points.len()
@@ -92,5 +124,22 @@ impl Cloud {
     /// The box around the points.
     pub fn bounds(&self) -> Bounds {
         Bounds::of(&self.points)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_that_face_alike_become_one_point_with_the_mean_normal() {
+        let (up, down, side) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, 0.8]);
+        let points = vec![[1.0; 3], [0.0; 3], [1.0; 3], [-0.0; 3], [1.0; 3]];
+        let cloud = Cloud::new(points, vec![up, up, side, down, up]).unwrap().without_copies().unwrap();
+        assert_eq!(cloud.points(), [[0.0; 3], [0.0; 3], [1.0; 3]]);
+        assert_eq!(cloud.normals()[..2], [up, down]);
+        assert_eq!(Some(cloud.normals()[2]), normalized([0.6, 0.0, 2.8]));
+        let kept = Cloud::new(vec![[2.0; 3], [1.0; 3]], vec![up, down]).unwrap().without_copies().unwrap();
+        assert_eq!(kept.points(), [[2.0; 3], [1.0; 3]]);
     }
 }
