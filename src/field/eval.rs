@@ -1,4 +1,5 @@
-//! Evaluation in batches: value, gradient and Hessian, each where wanted. Nothing here allocates or locks.
+//! Evaluation in batches: value, gradient and Hessian, each where wanted. Nothing here allocates or locks, but for
+//! [`Field::eval_parallel`], which does so once a call.
 
 use super::Field;
 use crate::geometry::vec3::Vec3;
@@ -84,6 +85,10 @@ impl Field {
 
     /// Whether each of `points` lies outside the box, where the field is continued: see [`beyond`](super::beyond).
     pub fn outside_box(&self, points: &[Vec3], outside: &mut [u8]) -> Result<()> {
+        if outside.len() != points.len() {
+            let (room, n) = (outside.len(), points.len());
+            return Err(Error::InvalidArgument(format!("outside has room for {room} points; the batch has {n}")));
+        }
         check_points(0, points)?;
         for (p, outside) in points.iter().zip(outside) {
             *outside = u8::from(!self.in_box(self.to_cells(*p)));

@@ -9,13 +9,13 @@ pub struct FitReport {
     pub n_points: u64,
     /// Unknowns of the solve: control points in all.
     pub n_unknowns: u64,
-    /// Iterations of conjugate gradients.
+    /// Iterations of conjugate gradients, over all rounds of reweighting.
     pub iterations: u32,
-    /// Relative residual reached.
+    /// Relative residual reached in the last round.
     pub residual: f64,
-    /// Seconds to sort the points, build the preconditioner and the right-hand side.
+    /// Seconds to sort the points, measure the far distances, build the right-hand side and the first preconditioner.
     pub seconds_assembly: f64,
-    /// Seconds of the solve.
+    /// Seconds of the solves, with the preconditioners of the later rounds.
     pub seconds_solve: f64,
     /// Seconds to measure the figures below.
     pub seconds_check: f64,
