@@ -44,7 +44,7 @@ pub struct Multilevel {
 }
 
 impl Multilevel {
-    /// The system of `energy`, with grids down to two cells along the longest axis.
+    /// The system of `energy`, with grids down to one cell along every axis.
     pub fn new(mut energy: Energy, workers: &Workers) -> Result<Self> {
         energy.reserve()?;
         let mut levels = vec![Level::new(&mut energy, workers)?];

@@ -93,7 +93,7 @@ impl DistanceTree {
         Ok(())
     }
 
-    /// Winding number of the mesh around `point`, to a few hundredths: the far fields of distant triangles stand for them.
+    /// Winding number of the mesh around `point`, to about 0.1: the far fields of distant triangles stand for them.
     pub fn winding_number(&self, point: Vec3) -> f64 {
         self.winding.rough(&self.tree, &self.corners, self.query(point).point)
     }
