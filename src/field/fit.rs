@@ -84,7 +84,8 @@ impl Field {
                 let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
                 let fraction = (f64::from(round) + solved) / f64::from(options.reweightings + 1);
                 progress.tell(0.1 + 0.88 * fraction, "solve")
-            })?;
+            })
+            .map_err(|error| counting_earlier_rounds(error, report.iterations))?;
             x = solution;
             report.iterations += done.iterations as u32;
             report.residual = done.residual;
@@ -121,6 +122,16 @@ impl Field {
         let n = cloud.len() as f64;
         (self.report.rms, self.report.max, self.report.mean_gradient) = ((squares / n).sqrt(), max, lengths / n);
         Ok(())
+    }
+}
+
+/// `error` of a round's solve with the `earlier` rounds' iterations counted, as the limit counts them.
+fn counting_earlier_rounds(error: Error, earlier: u32) -> Error {
+    match error {
+        Error::NotConverged { iterations, residual, tolerance } => {
+            Error::NotConverged { iterations: iterations + earlier as usize, residual, tolerance }
+        }
+        other => other,
     }
 }
 

@@ -394,6 +394,12 @@ fn what_cannot_be_fitted_is_refused_with_the_reason() {
     assert!(matches!(refused(&ring(), few), Error::InvalidArgument(text) if text.contains("at least 4")));
     let short = FitOptions { max_iterations: 5, ..options() };
     assert!(matches!(refused(&ring(), short), Error::NotConverged { iterations: 5, .. }));
+    // The limit is on all rounds together, and so is the count in the error.
+    let rounds = fit(&ring(), &FitOptions { tolerance: 1e-4, ..options() }).report().iterations;
+    let short = FitOptions { max_iterations: rounds - 1, tolerance: 1e-4, ..options() };
+    assert!(
+        matches!(refused(&ring(), short), Error::NotConverged { iterations, .. } if iterations == rounds as usize - 1)
+    );
     // Two points with opposite normals at one place each: no side is asked for.
     let undecided =
         Cloud::new(vec![[0.0; 3], [0.0; 3], [1.0; 3], [1.0; 3]], [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]].repeat(2))
