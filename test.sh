@@ -63,10 +63,13 @@ tests_named() {
 under_valgrind() {
     local room program
     room=$(mktemp -d)
-    for program in lifecycle errors threads golden; do
+    local programs=(lifecycle errors threads golden) data=${KEEPOUT_DATA:-$root/../shared/data}
+    [[ -d $data ]] && programs+=(bad_data)
+    for program in "${programs[@]}"; do
         echo "$program"
         local arguments=()
         [[ $program == golden ]] && arguments=("$root/c_tests/golden")
+        [[ $program == bad_data ]] && arguments=("$(realpath "$data")")
         (cd "$room" && valgrind --quiet --error-exitcode=1 --leak-check=full --show-leak-kinds=definite,indirect,possible \
             --errors-for-leak-kinds=definite,indirect,possible --suppressions="$root/c_tests/valgrind.supp" \
             "$build/c_tests/$program" "${arguments[@]}") || return 1

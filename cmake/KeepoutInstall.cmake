@@ -11,6 +11,9 @@ configure_package_config_file(cmake/keepout-config.cmake.in "${keepout_staging}/
 write_basic_package_version_file("${keepout_staging}/keepout-config-version.cmake" COMPATIBILITY SameMinorVersion)
 
 file(RELATIVE_PATH keepout_prefix_from_pc "${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig" "${CMAKE_INSTALL_PREFIX}")
+# The folders may be given as absolute paths.
+file(RELATIVE_PATH keepout_libdir_from_prefix "${CMAKE_INSTALL_PREFIX}" "${CMAKE_INSTALL_FULL_LIBDIR}")
+file(RELATIVE_PATH keepout_includedir_from_prefix "${CMAKE_INSTALL_PREFIX}" "${CMAKE_INSTALL_FULL_INCLUDEDIR}")
 configure_file(cmake/keepout.pc.in "${keepout_staging}/keepout.pc" @ONLY)
 
 list(GET keepout_files 0 keepout_shared)

@@ -540,7 +540,7 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  *     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
  * sigma is the sign of phi on the faces: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| does not fall on the
  * way out and the gradient tends to length 1. Where phi has both signs on the faces (an open shape that reaches the box), m = 0 and
- * sigma = tanh(P / longest cell edge). `ko_field_outside_box` tells which points are outside.
+ * sigma = tanh(P / longest cell edge), steep where P crosses 0. `ko_field_outside_box` tells which points are outside.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; outputs are unspecified then.
  * Threads: any number at once. Cost: about 50 ns a point with gradient on one thread in cache; no allocation, no lock.
  */

@@ -11,7 +11,7 @@
 //! L, the box's diagonal; so the gradient tends to sigma e / r, of length 1. sigma is the sign that phi has on all faces: for a closed shape
 //! +1 where the design may be outside, -1 where inside, so that |phi| does not fall on the way out. Where phi has both signs on the faces
 //! (an open shape that reaches the box) m = 0 and sigma = tanh(P / h), h the longest cell edge: the sign of the clamped point made
-//! smooth, since a sign itself would jump where P crosses 0.
+//! smooth, since a sign itself would jump where P crosses 0; beside the prolongation of that crossing the slope grows with r / h.
 
 use super::Field;
 use crate::geometry::vec3::norm;

@@ -2,13 +2,13 @@
 //!
 //! Neither matrix nor stencil is stored: a point keeps its coordinates in cells, and its 64 weights are made again where they are needed.
 
+use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::geometry::vec3::{Vec3, norm};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::basis::Weights;
-use crate::{Error, Result};
 use std::ops::Range;
 
 /// Cells along x of a slab. The points of a slab touch its planes of control points and the three behind, so slabs of at least three
@@ -35,9 +35,6 @@ impl Data {
     /// The points of `cloud` in the cells of `grid`, all of one mass, and the cloud's indices in the order that they now have.
     pub fn new(cloud: &Cloud, grid: &Grid) -> Result<(Self, Vec<u32>)> {
         let n = cloud.len();
-        if u32::try_from(n).is_err() {
-            return Err(Error::InvalidArgument(format!("the cloud has {n} points; at most {} are taken", u32::MAX)));
-        }
         let to_cells = |p: &Vec3| std::array::from_fn(|a| (p[a] - grid.axes[a].lower) / grid.axes[a].cell);
         let mut keys = try_vec(n, (0usize, 0u32), "the order of the points")?;
         for (i, (key, p)) in keys.iter_mut().zip(cloud.points()).enumerate() {

@@ -10,11 +10,11 @@
 use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};
 use super::smoothness::Smoothness;
-use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::vec3::Vec3;
 use crate::par::Workers;
 use crate::spline::{Axis, Grid, twoscale};
+use crate::{Error, Result};
 
 /// Weights of the terms, dimensionless.
 #[derive(Debug, Clone, Copy)]
@@ -40,11 +40,11 @@ pub struct Energy {
 
 impl Energy {
     /// The form on `grid`, in units of D, for `data` in its cells.
-    pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Self {
+    pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Result<Self> {
         let extent = grid.axes.map(|a| a.n_cells as f64);
         let data = DataTerm::new(data, grid, weights.normal);
-        let smoothness = Smoothness::new(&grid, extent, weights.smooth);
-        Energy { grid, extent, weights, data, smoothness, distance: None }
+        let smoothness = Smoothness::new(&grid, extent, weights.smooth)?;
+        Ok(Energy { grid, extent, weights, data, smoothness, distance: None })
     }
 
     /// The form with the distance term for `far`, with weight `relative` lambda_r / h^4.
@@ -61,7 +61,7 @@ impl Energy {
             self.grid.axes.map(|a| Axis { lower: 0.0, cell: 2.0 * a.cell, n_cells: twoscale::coarser(a.n_cells) });
         let grid = Grid { axes };
         let extent = self.extent.map(|e| 0.5 * e);
-        let smoothness = Smoothness::new(&grid, extent, self.weights.smooth);
+        let smoothness = Smoothness::new(&grid, extent, self.weights.smooth)?;
         let distance = self.distance.as_ref().map(|d| d.coarser(&self.grid, &grid)).transpose()?;
         Ok(Energy { grid, extent, weights: self.weights, data: self.data.coarser(grid)?, smoothness, distance })
     }
@@ -96,20 +96,26 @@ impl Energy {
         self.data.reweight(factors);
     }
 
-    /// b, for gradients `sign` n at the points, those of `normals` [N x 3] in `order`, and distances `sign` d at the far cells.
-    pub fn right_hand_side(
-        &mut self,
-        workers: &Workers,
-        (normals, order): (&[Vec3], &[u32]),
-        far: Option<&FarDistances>,
-        sign: f64,
-    ) -> Result<Vec<f64>> {
+    /// b, for gradients `sign` n at the points, those of `normals` [N x 3] in `order`.
+    pub fn right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
         self.data.add_right_hand_side(workers, normals, order, sign, &mut b);
-        if let (Some(term), Some(far)) = (&mut self.distance, far) {
-            term.add_right_hand_side(far, sign, &mut b);
+        // What one point adds where no other is near; normals that cancel out leave rounding of it.
+        let shortest = self.grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
+        let one = self.weights.normal / (self.n_points() as f64 * shortest);
+        if b.iter().all(|b| b.abs() <= 1e-12 * one) {
+            let text =
+                "the normals cancel out, so that the surface has no outer side; normals out of the solid are needed";
+            return Err(Error::Degenerate(text.into()));
         }
         Ok(b)
+    }
+
+    /// b += the part of the distance term for `far`, with distances `sign` d.
+    pub fn add_distances(&mut self, far: &FarDistances, sign: f64, b: &mut [f64]) {
+        if let Some(term) = &mut self.distance {
+            term.add_right_hand_side(far, sign, b);
+        }
     }
 
     /// The diagonal of A.

@@ -100,7 +100,7 @@ impl Field {
             let message = format!("control point {i} is {}; it must be finite", coefficients[i]);
             return Err(wrong(Place::Byte(HEADER + 8 * i), message));
         }
-        Field::new(fields.grid, coefficients, fields.feasible, fields.diagonal, fields.report)
+        Ok(Field::new(fields.grid, coefficients, fields.feasible, fields.diagonal, fields.report))
     }
 
     fn write_to(&self, file: File) -> io::Result<()> {

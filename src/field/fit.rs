@@ -20,16 +20,19 @@ fn chosen_control_points(n_points: usize) -> usize {
     (2 * n_points).clamp(4096, 262_144)
 }
 
-/// Bytes that the fit of `n_points` points with `n_unknowns` control points takes, its result included.
-pub fn memory(n_points: u128, n_unknowns: u128) -> u128 {
-    // A point: its coordinates, normal, place and masses; its copy in units of D; its surfel with the trees that measure distances to it.
+/// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included.
+pub fn memory(n_points: u128, shape: [u128; 3]) -> u128 {
+    // A point: its coordinates, normal, origin, place and masses; its copy in units of D; its surfel with the trees that measure distances to it.
+    let point = 24 + 24 + 32 + 16 + 16 + 48 + 450;
     // An unknown: the solution and the right-hand side, four vectors of the solve, six of the regularisation, five and their coarser copies of the
-    // preconditioner, eight of the distances.
-    n_points * (24 + 24 + 16 + 16 + 48 + 450) + n_unknowns * 8 * (2 + 4 + 6 + 5 + 8)
+    // preconditioner, eight of the distances. An axis: three bands of 7 numbers a control point, and their coarser copies.
+    let unknown = 8 * (2 + 4 + 6 + 5 + 8);
+    let band = 2 * 3 * 56;
+    n_points * point + shape.iter().product::<u128>() * unknown + shape.iter().sum::<u128>() * band
 }
 
 impl Field {
-    /// Fits a field to `cloud`: minimises the energy (10) over the control points.
+    /// Fits a field to `cloud`: minimises the energy (10), with the departures of this room, over the control points.
     pub fn fit(cloud: &Cloud, options: &FitOptions, progress: &mut Progress) -> Result<Field> {
         options.validate()?;
         let bounds = cloud.bounds();
@@ -44,58 +47,18 @@ impl Field {
             n_unknowns: grid.n_control() as u64,
             ..FitReport::default()
         };
-
         let mut clock = Instant::now();
         let mut lap = || std::mem::replace(&mut clock, Instant::now()).elapsed().as_secs_f64();
-        progress.tell(0.0, "assembly")?;
-        let (data, order) = Data::new(cloud, &grid)?;
-        let mut energy = Energy::new(data, in_units_of(&grid, d), options.weights());
-        let far = match options.distance_weight {
-            0.0 => None,
-            weight => {
-                let cloud = in_units_of_the_box(cloud, &grid, d)?;
-                let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
-                let far = FarDistances::new(cloud, energy.grid(), &workers, tell)?;
-                energy = energy.with_distances(&far, weight)?;
-                Some(far)
-            }
-        };
-        let sign = options.feasible.sign();
-        let b = energy.right_hand_side(&workers, (cloud.normals(), &order), far.as_ref(), sign)?;
-        drop((order, far));
-        if b.iter().all(|b| *b == 0.0) {
-            let text = "the normals cancel out, so that no side of the surface is the outer one; normals out of the solid are needed";
-            return Err(Error::Degenerate(text.into()));
-        }
-        let mut system = Multilevel::new(energy, &workers)?;
-        report.seconds_assembly = lap();
 
-        let mut x = try_vec(b.len(), 0.0, "the control points")?;
-        for round in 0..=options.reweightings {
-            let last = round == options.reweightings;
-            if round > 0 {
-                system = reweighted(system, &x, &workers)?;
-            }
-            let tolerance = if last { options.tolerance } else { reweight::rough_tolerance(options.tolerance) };
-            let max_iterations = options.max_iterations - report.iterations;
-            let stop = Stop { tolerance, max_iterations: max_iterations as usize };
-            let (solution, done) = cg::solve(&mut system, &b, x, stop, &workers, |_, residual| {
-                // The residual falls by about a factor an iteration, so its logarithm tells how far a solve is.
-                let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
-                let fraction = (f64::from(round) + solved) / f64::from(options.reweightings + 1);
-                progress.tell(0.1 + 0.88 * fraction, "solve")
-            })
-            .map_err(|error| counting_earlier_rounds(error, report.iterations))?;
-            x = solution;
-            report.iterations += done.iterations as u32;
-            report.residual = done.residual;
-        }
+        progress.tell(0.0, "assembly")?;
+        let (system, b) = assemble(cloud, &grid, d, options, &workers, progress)?;
+        report.seconds_assembly = lap();
+        let mut coefficients = solve(system, &b, options, &workers, progress, &mut report)?;
+        coefficients.iter_mut().for_each(|c| *c *= d);
         report.seconds_solve = lap();
 
-        let mut coefficients = x;
-        coefficients.iter_mut().for_each(|c| *c *= d);
-        let mut field = Field::new(grid, coefficients, options.feasible, d, report)?;
         progress.tell(0.98, "check")?;
+        let mut field = Field::new(grid, coefficients, options.feasible, d, report);
         field.measure(cloud)?;
         field.report.seconds_check = lap();
         progress.tell(1.0, "done")?;
@@ -123,6 +86,60 @@ impl Field {
         (self.report.rms, self.report.max, self.report.mean_gradient) = ((squares / n).sqrt(), max, lengths / n);
         Ok(())
     }
+}
+
+/// A and b of the minimum (11), in units of `d`.
+fn assemble(
+    cloud: &Cloud,
+    grid: &Grid,
+    d: f64,
+    options: &FitOptions,
+    workers: &Workers,
+    progress: &mut Progress,
+) -> Result<(Multilevel, Vec<f64>)> {
+    let (data, order) = Data::new(cloud, grid)?;
+    let mut energy = Energy::new(data, in_units_of(grid, d), options.weights())?;
+    let sign = options.feasible.sign();
+    let mut b = energy.right_hand_side(workers, cloud.normals(), &order, sign)?;
+    if options.distance_weight > 0.0 {
+        let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
+        let far = FarDistances::new(in_units_of_the_box(cloud, grid, d)?, energy.grid(), workers, tell)?;
+        energy = energy.with_distances(&far, options.distance_weight)?;
+        energy.add_distances(&far, sign, &mut b);
+    }
+    Ok((Multilevel::new(energy, workers)?, b))
+}
+
+/// Solves A x = b, and again with the points that the surface misses weighted more, each time from where the last solve ended.
+fn solve(
+    mut system: Multilevel,
+    b: &[f64],
+    options: &FitOptions,
+    workers: &Workers,
+    progress: &mut Progress,
+    report: &mut FitReport,
+) -> Result<Vec<f64>> {
+    let mut x = try_vec(b.len(), 0.0, "the control points")?;
+    for round in 0..=options.reweightings {
+        let last = round == options.reweightings;
+        if round > 0 {
+            system = reweighted(system, &x, workers)?;
+        }
+        let tolerance = if last { options.tolerance } else { reweight::rough_tolerance(options.tolerance) };
+        let max_iterations = options.max_iterations - report.iterations;
+        let stop = Stop { tolerance, max_iterations: max_iterations as usize };
+        let (solution, done) = cg::solve(&mut system, b, x, stop, workers, |_, residual| {
+            // The residual falls by about a factor an iteration, so its logarithm tells how far a solve is.
+            let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
+            let fraction = (f64::from(round) + solved) / f64::from(options.reweightings + 1);
+            progress.tell(0.1 + 0.88 * fraction, "solve")
+        })
+        .map_err(|error| counting_earlier_rounds(error, report.iterations))?;
+        x = solution;
+        report.iterations += done.iterations as u32;
+        report.residual = done.residual;
+    }
+    Ok(x)
 }
 
 /// `error` of a round's solve with the `earlier` rounds' iterations counted, as the limit counts them.
@@ -162,7 +179,7 @@ fn in_units_of(grid: &Grid, d: f64) -> Grid {
 /// Refuses a fit that would take more than `limit` bytes.
 fn check_size(n_points: usize, grid: &Grid, limit: u64) -> Result<()> {
     let shape = grid.axes.map(|a| a.n_control() as u128);
-    let bytes = memory(n_points as u128, shape.iter().product());
+    let bytes = memory(n_points as u128, shape);
     if bytes <= u128::from(limit) {
         return Ok(());
     }

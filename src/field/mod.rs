@@ -42,7 +42,6 @@ mod report;
 pub mod reweight;
 pub mod smoothness;
 
-use crate::Result;
 use crate::spline::Grid;
 pub use beyond::Beyond;
 pub use eval::Outputs;
@@ -66,12 +65,12 @@ pub struct Field {
 }
 
 impl Field {
-    fn new(grid: Grid, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Result<Self> {
+    fn new(grid: Grid, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
         let per_cell = grid.axes.map(|a| 1.0 / a.cell);
         let beyond = Beyond::default();
         let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
         field.beyond = field.look_at_faces();
-        Ok(field)
+        field
     }
 
     /// The box, its cells and control points.

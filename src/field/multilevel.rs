@@ -5,9 +5,8 @@
 //! ```
 //!
 //! over nested grids with cells 2^l times as long: P_l the two-scale relation down to the finest grid, D_l the diagonal of the energy on
-//! grid l. An application costs less than one of A, since nothing but diagonals is kept of the coarser grids. Measured at 24,800
-//! unknowns and the default weights, a V-cycle with Chebyshev smoothing of degree 3 takes a seventh of the iterations at ten times
-//! their cost: what slows both is the contrast between data and regularisation inside a cell, which no grid hierarchy sees.
+//! grid l. An application costs less than one of A, since nothing but diagonals is kept of the coarser grids. What is left to slow the solve is
+//! the contrast between data and regularisation inside a cell, which no hierarchy of grids sees.
 
 use super::energy::Energy;
 use crate::Result;

@@ -25,10 +25,11 @@ pub struct Smoothness {
 
 impl Smoothness {
     /// The operator on `grid`, in units of D, over the first `extent` cells of each axis.
-    pub fn new(grid: &Grid, extent: [f64; 3], weight: f64) -> Self {
-        let gram = std::array::from_fn(|a| Gram::new(grid.axes[a].n_cells, grid.axes[a].cell, extent[a]));
+    pub fn new(grid: &Grid, extent: [f64; 3], weight: f64) -> Result<Self> {
+        let along = |a: usize| Gram::new(grid.axes[a].n_cells, grid.axes[a].cell, extent[a]);
+        let gram = [along(0)?, along(1)?, along(2)?];
         let volume: f64 = (0..3).map(|a| extent[a] * grid.axes[a].cell).product();
-        Smoothness { shape: grid.shape(), gram, factor: weight / volume, scratch: Default::default() }
+        Ok(Smoothness { shape: grid.shape(), gram, factor: weight / volume, scratch: Default::default() })
     }
 
     /// Takes the memory that [`Smoothness::apply`] works in.
@@ -122,7 +123,7 @@ mod tests {
 
     fn energy(grid: &Grid, c: &[f64]) -> f64 {
         let extent = grid.axes.map(|a| a.n_cells as f64);
-        let mut operator = Smoothness::new(grid, extent, 1.0);
+        let mut operator = Smoothness::new(grid, extent, 1.0).unwrap();
         operator.reserve().unwrap();
         let mut y = vec![0.0; c.len()];
         operator.apply(&Workers::caller_only(), c, &mut y);
@@ -166,7 +167,7 @@ mod tests {
         let grid = grid([2, 1, 3], [0.3, 0.5, 0.2]);
         let extent = [1.5, 1.0, 2.5];
         let n = grid.n_control();
-        let mut operator = Smoothness::new(&grid, extent, 0.7);
+        let mut operator = Smoothness::new(&grid, extent, 0.7).unwrap();
         operator.reserve().unwrap();
         let mut diagonal = vec![0.0; n];
         operator.add_diagonal(&mut diagonal);

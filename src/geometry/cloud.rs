@@ -28,6 +28,12 @@ impl Cloud {
         if points.is_empty() {
             return Err(Error::InvalidArgument("the cloud has no points; at least 1 is needed".into()));
         }
+        // Three corners a surfel are counted in 32 bits.
+        const MOST: usize = 1 << 30;
+        if points.len() > MOST {
+            let n = points.len();
+            return Err(Error::InvalidArgument(format!("the cloud has {n} points; at most {MOST} are taken")));
+        }
         if points.len() != normals.len() {
             return Err(Error::InvalidArgument(format!(
                 "{} points come with {} normals; one normal a point is needed",

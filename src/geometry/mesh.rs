@@ -21,6 +21,12 @@ impl Mesh {
         if triangles.is_empty() {
             return Err(Error::InvalidArgument("the mesh has no triangles; at least 1 is needed".into()));
         }
+        // Trees over the triangles count up to twice as many nodes in 32 bits.
+        const MOST: usize = (1 << 31) - 1;
+        if triangles.len() > MOST {
+            let n = triangles.len();
+            return Err(Error::InvalidArgument(format!("the mesh has {n} triangles; at most {MOST} are taken")));
+        }
         if let Some((i, v)) = vertices.iter().enumerate().find(|(_, v)| !v.iter().all(|x| x.is_finite())) {
             return Err(Error::InvalidArgument(format!(
                 "vertex {i} is ({}, {}, {}); coordinates must be finite",

@@ -5,6 +5,8 @@
 //! it is a sum of Kronecker products of the banded matrices made here.
 
 use super::basis::{Weights, second};
+use crate::Result;
+use crate::error::try_vec;
 
 /// Off-diagonals on each side of the diagonal.
 pub const HALF_BAND: usize = 3;
@@ -23,8 +25,9 @@ impl Gram {
     /// Integrals over [0, `extent`] cells of edge `cell`, `extent` <= `n_cells`, of the n_cells + 3 functions of the cells.
     ///
     /// The extent falls short of the cells where a coarser axis covers a box that is not a whole number of its cells.
-    pub fn new(n_cells: usize, cell: f64, extent: f64) -> Self {
-        let mut order: [Band; 3] = std::array::from_fn(|_| vec![[0.0; 7]; n_cells + 3]);
+    pub fn new(n_cells: usize, cell: f64, extent: f64) -> Result<Self> {
+        let band = || try_vec(n_cells + 3, [0.0; 2 * HALF_BAND + 1], "the Gram matrices");
+        let mut order: [Band; 3] = [band()?, band()?, band()?];
         for i in 0..n_cells {
             let part = (extent - i as f64).clamp(0.0, 1.0);
             for (u, weight) in gauss(part) {
@@ -40,7 +43,7 @@ impl Gram {
                 }
             }
         }
-        Gram { order }
+        Ok(Gram { order })
     }
 }
 
@@ -54,11 +57,6 @@ fn gauss(length: f64) -> [(f64, f64); 4] {
     [at(-x1, w1), at(-x0, w0), at(x0, w0), at(x1, w1)]
 }
 
-/// sum_j a_ij x_j for row `i`.
-pub fn row_dot(band: &Band, i: usize, x: &[f64]) -> f64 {
-    columns(i, x.len()).map(|j| band[i][j + HALF_BAND - i] * x[j]).sum()
-}
-
 /// Columns of row `i` of an n x n band.
 pub fn columns(i: usize, n: usize) -> std::ops::Range<usize> {
     i.saturating_sub(HALF_BAND)..(i + HALF_BAND + 1).min(n)
@@ -68,13 +66,18 @@ pub fn columns(i: usize, n: usize) -> std::ops::Range<usize> {
 mod tests {
     use super::*;
 
+    /// sum_j a_ij x_j for row `i`.
+    fn row_dot(band: &Band, i: usize, x: &[f64]) -> f64 {
+        columns(i, x.len()).map(|j| band[i][j + HALF_BAND - i] * x[j]).sum()
+    }
+
     fn quadratic_form(band: &Band, x: &[f64]) -> f64 {
         (0..x.len()).map(|i| x[i] * row_dot(band, i, x)).sum()
     }
 
     #[test]
     fn interior_rows_are_the_known_integrals() {
-        let gram = Gram::new(9, 1.0, 9.0);
+        let gram = Gram::new(9, 1.0, 9.0).unwrap();
         let known = [[1.0, 120.0, 1191.0, 2416.0].map(|x| x / 5040.0), [-1.0, -24.0, -15.0, 80.0].map(|x| x / 120.0)];
         for (band, row) in gram.order.iter().zip(known) {
             for d in 0..=3 {
@@ -88,7 +91,7 @@ mod tests {
     fn integrates_polynomials_exactly_over_the_whole_and_over_a_part() {
         // Control points (i - 1) reproduce f(xi) = xi; so int f^2 = e^3 / 3, int f'^2 = e, int f''^2 = 0.
         for (n, extent, cell) in [(1, 1.0, 1.0), (2, 1.5, 0.5), (5, 5.0, 2.0), (7, 6.25, 0.1)] {
-            let gram = Gram::new(n, cell, extent);
+            let gram = Gram::new(n, cell, extent).unwrap();
             let x: Vec<f64> = (0..n + 3).map(|i| i as f64 - 1.0).collect();
             let expected = [extent.powi(3) / 3.0 * cell, extent / cell, 0.0];
             for (k, e) in expected.into_iter().enumerate() {
@@ -101,7 +104,7 @@ mod tests {
     #[test]
     fn the_mode_without_sampled_energy_has_energy_here() {
         let n = 12;
-        let gram = Gram::new(n, 1.0, n as f64);
+        let gram = Gram::new(n, 1.0, n as f64).unwrap();
         let k: Vec<f64> = (0..n as i32 + 3).map(|i| (3f64.sqrt() - 2.0).powi(i)).collect();
         for i in 0..n {
             let knot_value: f64 = (0..4).map(|a| Weights::at(0.0).w[a] * k[i + a]).sum();
