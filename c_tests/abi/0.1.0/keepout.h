@@ -212,28 +212,29 @@ typedef struct ko_fit_options {
      */
     uint32_t control_points[3];
     /**
-     * Rounds in which points that the surface misses are weighted more, against the largest error. 0: the paper's fit. Default 3.
+     * Rounds in which points that the surface misses are weighted more, against the largest error; at most 100. 0: the paper's
+     * fit. Default 3.
      */
     uint32_t reweightings;
     /**
-     * How much longer than the cloud the box is along each axis. Default 0.15: 1.15 times the extents.
+     * How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
      */
     double margin;
     /**
-     * lambda_n of (10): weight of the normals. Default 1e-4.
+     * lambda_n of (10): weight of the normals, in [1e-12, 1e12]. Default 1e-4.
      */
     double lambda_normal;
     /**
-     * lambda_r of (10): weight of the smoothness. Default 3e-10.
+     * lambda_r of (10): weight of the smoothness, in [1e-20, 1e12]. Default 3e-10.
      */
     double lambda_smooth;
     /**
      * Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
-     * units of D. It keeps the sign right far from the data. 0: none, the paper's fit. Default 50.
+     * units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 150.
      */
     double distance_weight;
     /**
-     * Relative residual of the solve to reach. Default 1e-4.
+     * Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-3.
      */
     double tolerance;
     /**
@@ -241,7 +242,7 @@ typedef struct ko_fit_options {
      */
     int32_t feasible;
     /**
-     * Iterations in all after which not having reached the tolerance is KO_ERR_NOT_CONVERGED. Default 20000.
+     * Iterations in all after which not having reached the tolerance is KO_ERR_NOT_CONVERGED; at least 1. Default 20000.
      */
     uint32_t max_iterations;
     /**
@@ -249,7 +250,7 @@ typedef struct ko_fit_options {
      */
     uint64_t memory_limit;
     /**
-     * Threads: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
      */
     uint32_t n_threads;
     /**
@@ -381,8 +382,8 @@ uint64_t ko_capabilities(void);
  *
  * The format is told by the content where it has a mark, else by the name's ending. Polygons are cut into fans of triangles; the equal
  * vertices of an STL are merged. `path` is UTF-8 on Windows, bytes elsewhere. `*mesh` is the caller's to free.
- * Errors: KO_ERR_IO, KO_ERR_FORMAT with line or byte, KO_ERR_UNSUPPORTED for other formats, KO_ERR_OUT_OF_MEMORY.
- * Threads: any. Cost: one pass over the file.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path, KO_ERR_IO, KO_ERR_FORMAT with line or byte, KO_ERR_UNSUPPORTED for other
+ * formats, KO_ERR_OUT_OF_MEMORY, also for more than 4 GiB after unpacking. Threads: any. Cost: one pass over the file.
  */
 int32_t ko_mesh_read(const char *path,
                      struct ko_mesh **mesh);
@@ -406,14 +407,16 @@ int32_t ko_mesh_from_triangles(const double *vertices,
 void ko_mesh_free(struct ko_mesh *mesh);
 
 /**
- * Tells how many vertices and triangles the mesh has. Either output may be NULL. Threads: any. Cost: none.
+ * Tells how many vertices and triangles the mesh has. Either output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for no mesh. Threads: any. Cost: none.
  */
 int32_t ko_mesh_get_size(const struct ko_mesh *mesh, size_t *n_vertices, size_t *n_triangles);
 
 /**
  * Copies the mesh to `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles]; either may be NULL.
  *
- * The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+ * The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for other counts. Threads: any. Cost: a copy.
  */
 int32_t ko_mesh_copy(const struct ko_mesh *mesh,
                      size_t n_vertices,
@@ -424,7 +427,7 @@ int32_t ko_mesh_copy(const struct ko_mesh *mesh,
 /**
  * Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
  *
- * `struct_size` is `sizeof *report`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any.
+ * `struct_size` is sizeof *report. Errors: KO_ERR_INVALID_ARGUMENT, KO_ERR_OUT_OF_MEMORY. Threads: any.
  * Cost: O(n_triangles log n_triangles), with some 100 bytes a triangle taken meanwhile.
  */
 int32_t ko_mesh_get_report(const struct ko_mesh *mesh,
@@ -443,7 +446,7 @@ int32_t ko_mesh_flip(struct ko_mesh *mesh);
  *
  * Normals are smooth across edges of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
  * coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
- * Errors: KO_ERR_INVALID_ARGUMENT for no points, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
+ * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
  * Threads: any. Cost: O(n_points log n_points + n_triangles).
  */
 int32_t ko_mesh_sample(const struct ko_mesh *mesh,
@@ -455,7 +458,7 @@ int32_t ko_mesh_sample(const struct ko_mesh *mesh,
  * Exact signed distances of `points` [3 * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
  *
  * The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
- * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
  * Threads: any number at once. Cost: O(log n_triangles) a point; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
  */
 int32_t ko_mesh_signed_distance(const struct ko_mesh *mesh,
@@ -517,8 +520,9 @@ int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
  *
  * `options` NULL: the defaults. phi > 0 on the feasible side; |phi| is close to the distance near the surface and smooth everywhere.
  * `*field` is the caller's to free; it does not refer to the cloud.
- * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range, KO_ERR_DEGENERATE for points that are all equal,
- * KO_ERR_OUT_OF_MEMORY with the bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
+ * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
+ * equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
+ * bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
  * Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 70 ns a point and 40 ns a control point on one
  * thread; a few hundred are usual. Memory: about 600 bytes a point and 200 a control point.
  */
@@ -536,7 +540,7 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  *     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
  * sigma is the sign of phi on the faces: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| does not fall on the
  * way out and the gradient tends to length 1. Where phi has both signs on the faces (an open shape that reaches the box), m = 0 and
- * sigma = tanh(P / longest cell edge). `ko_field_outside_box` tells which points are outside.
+ * sigma = tanh(P / longest cell edge), steep where P crosses 0. `ko_field_outside_box` tells which points are outside.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; outputs are unspecified then.
  * Threads: any number at once. Cost: about 50 ns a point with gradient on one thread in cache; no allocation, no lock.
  */
@@ -550,7 +554,9 @@ int32_t ko_field_eval(const struct ko_field *field,
 /**
  * `ko_field_eval` with the batch spread over `n_threads` threads (0: all cores, 1: none but the caller's); the same bits.
  *
- * Starts the threads and joins them, which takes some 100 microseconds: for batches of many thousand points.
+ * Errors: those of `ko_field_eval`; KO_ERR_INVALID_ARGUMENT for more than 1024 threads or threads that do not start.
+ * Threads: any number at once. Cost: starts the threads and joins them, which takes some 100 microseconds and memory: for batches of many
+ * thousand points.
  */
 int32_t ko_field_eval_parallel(const struct ko_field *field,
                                const double *points,
@@ -580,15 +586,16 @@ int32_t ko_field_get_report(const struct ko_field *field, size_t struct_size, st
 /**
  * Writes the field to the file `path`: little-endian, with version and checksum, the same on every machine.
  *
- * A file that stood there is replaced whole or, after an error, left as it was. Errors: KO_ERR_IO. Threads: any. Cost: one pass.
+ * A file that stood there is replaced whole or, after an error, left as it was.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path, KO_ERR_IO. Threads: any. Cost: one pass.
  */
-int32_t ko_field_save(const struct ko_field *field,
-                      const char *path);
+int32_t ko_field_save(const struct ko_field *field, const char *path);
 
 /**
  * Reads a field that `ko_field_save` wrote; it evaluates to the same bits. `*field` is the caller's to free.
  *
- * Errors: KO_ERR_IO; KO_ERR_FORMAT for a file that is no field, of another version, cut short or altered. Threads: any. Cost: one pass.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path; KO_ERR_IO; KO_ERR_FORMAT for a file that is no field, of another version, cut
+ * short or altered; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: one pass.
  */
 int32_t ko_field_load(const char *path,
                       struct ko_field **field);
