@@ -105,3 +105,24 @@ fn join(threads: Vec<JoinHandle<()>>) {
         let _ = thread.join();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_on_any_number_of_threads() {
+        for n_threads in [1, 2, 5] {
+            let workers = Workers::new(n_threads).unwrap();
+            assert_eq!(workers.map(100, |i| i * i), (0..100).map(|i| i * i).collect::<Vec<_>>());
+            let mut squares = vec![0; 100];
+            workers.for_each(squares.iter_mut().enumerate(), |(i, s)| *s = i * i);
+            assert_eq!(workers.map(100, |i| i * i), squares);
+        }
+    }
+
+    #[test]
+    fn absurd_numbers_of_threads_are_refused() {
+        assert!(matches!(Workers::new(MOST_THREADS + 1), Err(Error::InvalidArgument(text)) if text.contains("1025")));
+    }
+}

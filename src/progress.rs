@@ -36,3 +36,22 @@ impl<'a> Progress<'a> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fractions_never_fall_and_stay_within_one() {
+        let mut told = Vec::new();
+        let mut listen = |fraction: f64, _: &str| {
+            told.push(fraction);
+            ControlFlow::Continue(())
+        };
+        let mut progress = Progress::new(&mut listen);
+        for fraction in [0.1, 0.5, 0.3, f64::NAN, 2.0, 0.9] {
+            progress.tell(fraction, "stage").unwrap();
+        }
+        assert_eq!(told, [0.1, 0.5, 0.5, 0.5, 1.0, 1.0]);
+    }
+}

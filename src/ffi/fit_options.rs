@@ -39,7 +39,7 @@ pub struct ko_fit_options {
     /// Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
     /// units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 150.
     pub distance_weight: f64,
-    /// Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-3.
+    /// Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-4.
     pub tolerance: f64,
     /// KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where phi > 0.
     pub feasible: i32,

@@ -3,7 +3,7 @@
 //! Neither matrix nor stencil is stored: a point keeps its coordinates in cells, and its 64 weights are made again where they are needed.
 
 use crate::Result;
-use crate::error::{try_vec, try_with_capacity};
+use crate::error::try_vec;
 use crate::geometry::Cloud;
 use crate::geometry::vec3::{Vec3, norm};
 use crate::par::Workers;
@@ -22,7 +22,7 @@ pub struct Data {
     mass: Vec<Mass>,
 }
 
-/// What a point counts for: 1 / N unless reweighted or merged.
+/// What a point counts for: 1 / N unless reweighted.
 #[derive(Debug, Clone, Copy)]
 struct Mass {
     /// In the sum of values.
@@ -55,33 +55,6 @@ impl Data {
             order,
         ))
     }
-
-    /// Neighbours in the order of the points that share a cell of `grid` merged into one at their centre of mass, in cells twice as long.
-    ///
-    /// The order is that of the finest grid's cells, so a cell of a coarser grid keeps a point for each pair of its rows there.
-    fn merged(&self, grid: &Grid) -> Result<Self> {
-        let n = self.xi.len();
-        let (mut xi, mut mass) = (try_with_capacity(n, "merged points")?, try_with_capacity(n, "merged points")?);
-        let cell = |xi: &Vec3| grid.stencil(*xi).0.first;
-        let mut start = 0;
-        while start < n {
-            let home = cell(&self.xi[start]);
-            let len = self.xi[start..].iter().take_while(|xi| cell(xi) == home).count();
-            let members = start..start + len;
-            let value: f64 = members.clone().map(|p| self.mass[p].value).sum();
-            let gradient = members.clone().map(|p| self.mass[p].gradient).sum();
-            let mean = |a: usize| {
-                let along = || members.clone().map(|p| self.xi[p][a]);
-                let mean = members.clone().map(|p| self.mass[p].value * self.xi[p][a]).sum::<f64>() / value;
-                // Rounded, it may lie beyond its members, in the next cell and so in the wrong slab.
-                mean.clamp(along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max))
-            };
-            xi.push(std::array::from_fn(|a| 0.5 * mean(a)));
-            mass.push(Mass { value, gradient });
-            start += len;
-        }
-        Ok(Data { xi, mass })
-    }
 }
 
 /// Energy of the values and gradients at the points: sum of m_v phi^2 + lambda_n m_g |grad phi|^2.
@@ -103,11 +76,6 @@ impl DataTerm {
         let n_slabs = grid.axes[0].n_cells.div_ceil(SLAB);
         let slabs = (0..n_slabs).map(|s| below(s * SLAB)..below((s + 1) * SLAB)).collect();
         DataTerm { data, grid, normal_weight, per_cell, slabs }
-    }
-
-    /// The term on `coarse`, the grid with cells twice as long, for the points merged cell by cell.
-    pub fn coarser(&self, coarse: Grid) -> Result<Self> {
-        Ok(DataTerm::new(self.data.merged(&self.grid)?, coarse, self.normal_weight))
     }
 
     /// y += (the term's matrix) x
@@ -191,30 +159,5 @@ impl DataTerm {
                 }
             });
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::spline::Axis;
-
-    #[test]
-    fn points_just_below_a_knot_stay_in_their_slab_when_they_are_merged() {
-        let axis = |n_cells| Axis { lower: 0.0, cell: 1.0, n_cells };
-        let grid = Grid { axes: [axis(16), axis(8), axis(8)] };
-        let below = f64::from_bits(8f64.to_bits() - 1);
-        // As many points in the cell (7, j, k) as make their mean round up in some cells and not in others.
-        let points: Vec<Vec3> = (0..64)
-            .flat_map(|c| (0..=c % 60).map(move |_| [below, f64::from(c / 8) + 0.5, f64::from(c % 8) + 0.5]))
-            .collect();
-        let normals = vec![[1.0, 0.0, 0.0]; points.len()];
-        let (data, _) = Data::new(&Cloud::new(points, normals).unwrap(), &grid).unwrap();
-        let coarse = Grid { axes: [8, 4, 4].map(|n| Axis { lower: 0.0, cell: 2.0, n_cells: n }) };
-        let coarser = DataTerm::new(data, grid, 1.0).coarser(coarse).unwrap();
-        assert!(coarser.data.xi.iter().all(|xi| xi[0] < 4.0));
-        let mut diagonal = vec![0.0; coarse.n_control()];
-        coarser.add_diagonal(&Workers::caller_only(), &mut diagonal);
-        assert!(diagonal.iter().all(|d| *d >= 0.0));
     }
 }

@@ -104,27 +104,8 @@ impl DistanceTerm {
     pub fn new(far: &FarDistances, grid: &Grid, lambda_d: f64) -> Result<Self> {
         let mut mass = try_vec(far.share.len(), 0.0, "the weights of the far distances")?;
         mass.iter_mut().zip(&far.share).for_each(|(m, s)| *m = lambda_d * s);
-        DistanceTerm::of_mass(mass, grid)
-    }
-
-    fn of_mass(mass: Vec<f64>, grid: &Grid) -> Result<Self> {
         let values = try_vec(mass.len(), 0.0, "the far values")?;
         Ok(DistanceTerm { centers: Centers::new(grid)?, mass, values })
-    }
-
-    /// The term on `coarse`, whose cells are twice as long as those of `fine`: a cell has the mass of those in it.
-    pub fn coarser(&self, fine: &Grid, coarse: &Grid) -> Result<Self> {
-        let [cx, cy, cz] = fine.axes.map(|a| a.n_cells);
-        let n = coarse.axes.map(|a| a.n_cells);
-        let mut mass = try_vec(n.iter().product(), 0.0, "the weights of the far distances")?;
-        for i in 0..cx {
-            for j in 0..cy {
-                for k in 0..cz {
-                    mass[((i / 2) * n[1] + j / 2) * n[2] + k / 2] += self.mass[(i * cy + j) * cz + k];
-                }
-            }
-        }
-        DistanceTerm::of_mass(mass, coarse)
     }
 
     /// y += (the term's matrix) x

@@ -13,7 +13,7 @@ use super::smoothness::Smoothness;
 use crate::error::try_vec;
 use crate::geometry::vec3::Vec3;
 use crate::par::Workers;
-use crate::spline::{Axis, Grid, twoscale};
+use crate::spline::Grid;
 use crate::{Error, Result};
 
 /// Weights of the terms, dimensionless.
@@ -29,8 +29,6 @@ pub struct EnergyWeights {
 pub struct Energy {
     /// In units of D.
     grid: Grid,
-    /// Cells of the box along each axis: where a coarser grid's last cell reaches beyond the box, not a whole number.
-    extent: [f64; 3],
     weights: EnergyWeights,
     data: DataTerm,
     smoothness: Smoothness,
@@ -41,10 +39,9 @@ pub struct Energy {
 impl Energy {
     /// The form on `grid`, in units of D, for `data` in its cells.
     pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Result<Self> {
-        let extent = grid.axes.map(|a| a.n_cells as f64);
         let data = DataTerm::new(data, grid, weights.normal);
-        let smoothness = Smoothness::new(&grid, extent, weights.smooth)?;
-        Ok(Energy { grid, extent, weights, data, smoothness, distance: None })
+        let smoothness = Smoothness::new(&grid, weights.smooth)?;
+        Ok(Energy { grid, weights, data, smoothness, distance: None })
     }
 
     /// The form with the distance term for `far`, with weight `relative` lambda_r / h^4.
@@ -52,18 +49,6 @@ impl Energy {
         let lambda_d = relative * self.weights.smooth / self.grid.longest_cell().powi(4);
         self.distance = Some(DistanceTerm::new(far, &self.grid, lambda_d)?);
         Ok(self)
-    }
-
-    /// The form on cells twice as long over the same box. Splines there are splines here, so the regularisation is its Galerkin
-    /// product; the data terms are close to theirs, with the points of a cell merged into one.
-    pub fn coarser(&self) -> Result<Self> {
-        let axes =
-            self.grid.axes.map(|a| Axis { lower: 0.0, cell: 2.0 * a.cell, n_cells: twoscale::coarser(a.n_cells) });
-        let grid = Grid { axes };
-        let extent = self.extent.map(|e| 0.5 * e);
-        let smoothness = Smoothness::new(&grid, extent, self.weights.smooth)?;
-        let distance = self.distance.as_ref().map(|d| d.coarser(&self.grid, &grid)).transpose()?;
-        Ok(Energy { grid, extent, weights: self.weights, data: self.data.coarser(grid)?, smoothness, distance })
     }
 
     /// The grid, in units of D.

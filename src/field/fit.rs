@@ -3,7 +3,7 @@
 use super::data::Data;
 use super::distance::FarDistances;
 use super::energy::Energy;
-use super::multilevel::Multilevel;
+use super::system::System;
 use super::{Field, FitOptions, FitReport, domain, reweight};
 use crate::Result;
 use crate::error::{Error, try_vec, try_with_capacity};
@@ -24,10 +24,10 @@ fn chosen_control_points(n_points: usize) -> usize {
 pub fn memory(n_points: u128, shape: [u128; 3]) -> u128 {
     // A point: its coordinates, normal, origin, place and masses; its copy in units of D; its surfel with the trees that measure distances to it.
     let point = 24 + 24 + 32 + 16 + 16 + 48 + 450;
-    // An unknown: the solution and the right-hand side, four vectors of the solve, six of the regularisation, five and their coarser copies of the
-    // preconditioner, eight of the distances. An axis: three bands of 7 numbers a control point, and their coarser copies.
-    let unknown = 8 * (2 + 4 + 6 + 5 + 8);
-    let band = 2 * 3 * 56;
+    // An unknown: the solution and the right-hand side, four vectors of the solve, six of the regularisation, one of the
+    // preconditioner, eight of the distances. An axis: three bands of 7 numbers a control point.
+    let unknown = 8 * (2 + 4 + 6 + 1 + 8);
+    let band = 3 * 56;
     n_points * point + shape.iter().product::<u128>() * unknown + shape.iter().sum::<u128>() * band
 }
 
@@ -96,7 +96,7 @@ fn assemble(
     options: &FitOptions,
     workers: &Workers,
     progress: &mut Progress,
-) -> Result<(Multilevel, Vec<f64>)> {
+) -> Result<(System, Vec<f64>)> {
     let (data, order) = Data::new(cloud, grid)?;
     let mut energy = Energy::new(data, in_units_of(grid, d), options.weights())?;
     let sign = options.feasible.sign();
@@ -107,12 +107,12 @@ fn assemble(
         energy = energy.with_distances(&far, options.distance_weight)?;
         energy.add_distances(&far, sign, &mut b);
     }
-    Ok((Multilevel::new(energy, workers)?, b))
+    Ok((System::new(energy, workers)?, b))
 }
 
 /// Solves A x = b, and again with the points that the surface misses weighted more, each time from where the last solve ended.
 fn solve(
-    mut system: Multilevel,
+    mut system: System,
     b: &[f64],
     options: &FitOptions,
     workers: &Workers,
@@ -153,13 +153,13 @@ fn counting_earlier_rounds(error: Error, earlier: u32) -> Error {
 }
 
 /// The system with the points that the surface of `x` misses weighted more.
-fn reweighted(system: Multilevel, x: &[f64], workers: &Workers) -> Result<Multilevel> {
+fn reweighted(system: System, x: &[f64], workers: &Workers) -> Result<System> {
     let mut energy = system.into_energy();
     let mut factors = try_vec(energy.n_points(), 0.0, "the weights of the points")?;
     energy.distances(workers, x, reweight::FLATTEST, &mut factors);
     reweight::factors(&mut factors);
     energy.reweight(&factors);
-    Multilevel::new(energy, workers)
+    System::new(energy, workers)
 }
 
 /// The cloud in units of D, with the lower corner of the box as origin.

@@ -36,11 +36,11 @@ pub mod energy;
 pub mod eval;
 pub mod file;
 pub mod fit;
-mod multilevel;
 mod options;
 mod report;
 pub mod reweight;
 pub mod smoothness;
+mod system;
 
 use crate::spline::Grid;
 pub use beyond::Beyond;

@@ -55,7 +55,7 @@ pub struct FitOptions {
 }
 
 impl Default for FitOptions {
-    /// The weights come from a sweep over several shapes: docs/weights.md. A tighter tolerance changes errors by less than 1 %.
+    /// The weights come from a sweep over several shapes: docs/weights.md.
     fn default() -> Self {
         FitOptions {
             control_points: [0; 3],
@@ -65,7 +65,7 @@ impl Default for FitOptions {
             distance_weight: 150.0,
             reweightings: 3,
             feasible: Feasible::Outside,
-            tolerance: 1e-3,
+            tolerance: 1e-4,
             max_iterations: 20_000,
             n_threads: 0,
             memory_limit: 8 << 30,

@@ -24,11 +24,11 @@ pub struct Smoothness {
 }
 
 impl Smoothness {
-    /// The operator on `grid`, in units of D, over the first `extent` cells of each axis.
-    pub fn new(grid: &Grid, extent: [f64; 3], weight: f64) -> Result<Self> {
-        let along = |a: usize| Gram::new(grid.axes[a].n_cells, grid.axes[a].cell, extent[a]);
+    /// The operator on `grid`, in units of D.
+    pub fn new(grid: &Grid, weight: f64) -> Result<Self> {
+        let along = |a: usize| Gram::new(grid.axes[a].n_cells, grid.axes[a].cell);
         let gram = [along(0)?, along(1)?, along(2)?];
-        let volume: f64 = (0..3).map(|a| extent[a] * grid.axes[a].cell).product();
+        let volume: f64 = grid.axes.iter().map(|a| a.n_cells as f64 * a.cell).product();
         Ok(Smoothness { shape: grid.shape(), gram, factor: weight / volume, scratch: Default::default() })
     }
 
@@ -122,8 +122,7 @@ mod tests {
     }
 
     fn energy(grid: &Grid, c: &[f64]) -> f64 {
-        let extent = grid.axes.map(|a| a.n_cells as f64);
-        let mut operator = Smoothness::new(grid, extent, 1.0).unwrap();
+        let mut operator = Smoothness::new(grid, 1.0).unwrap();
         operator.reserve().unwrap();
         let mut y = vec![0.0; c.len()];
         operator.apply(&Workers::caller_only(), c, &mut y);
@@ -165,9 +164,8 @@ mod tests {
     #[test]
     fn the_diagonal_is_the_matrix_at_unit_vectors() {
         let grid = grid([2, 1, 3], [0.3, 0.5, 0.2]);
-        let extent = [1.5, 1.0, 2.5];
         let n = grid.n_control();
-        let mut operator = Smoothness::new(&grid, extent, 0.7).unwrap();
+        let mut operator = Smoothness::new(&grid, 0.7).unwrap();
         operator.reserve().unwrap();
         let mut diagonal = vec![0.0; n];
         operator.add_diagonal(&mut diagonal);

@@ -39,3 +39,19 @@ pub fn update(workers: &Workers, y: &mut [f64], x: &[f64], f: impl Fn(f64, f64) 
 fn chunk(x: &[f64], c: usize) -> &[f64] {
     &x[c * CHUNK..((c + 1) * CHUNK).min(x.len())]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dot_is_the_sum_of_products_at_every_length() {
+        for n in (0..10).chain([CHUNK - 1, CHUNK, CHUNK + 1, 3 * CHUNK + 5]) {
+            // Small integers, whose sums are exact in any order.
+            let x: Vec<f64> = (0..n).map(|i| (i % 7) as f64).collect();
+            let y: Vec<f64> = (0..n).map(|i| (i % 5) as f64 - 2.0).collect();
+            let expected: f64 = x.iter().zip(&y).map(|(x, y)| x * y).sum();
+            assert_eq!(dot(&Workers::caller_only(), &x, &y), expected, "length {n}");
+        }
+    }
+}

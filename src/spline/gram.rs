@@ -22,15 +22,12 @@ pub struct Gram {
 }
 
 impl Gram {
-    /// Integrals over [0, `extent`] cells of edge `cell`, `extent` <= `n_cells`, of the n_cells + 3 functions of the cells.
-    ///
-    /// The extent falls short of the cells where a coarser axis covers a box that is not a whole number of its cells.
-    pub fn new(n_cells: usize, cell: f64, extent: f64) -> Result<Self> {
+    /// Integrals over `n_cells` cells of edge `cell` of the n_cells + 3 functions of the cells.
+    pub fn new(n_cells: usize, cell: f64) -> Result<Self> {
         let band = || try_vec(n_cells + 3, [0.0; 2 * HALF_BAND + 1], "the Gram matrices");
         let mut order: [Band; 3] = [band()?, band()?, band()?];
         for i in 0..n_cells {
-            let part = (extent - i as f64).clamp(0.0, 1.0);
-            for (u, weight) in gauss(part) {
+            for (u, weight) in GAUSS {
                 let Weights { w, dw } = Weights::at(u);
                 for (k, b) in [w, dw, second(u)].iter().enumerate() {
                     // d/dx = (1 / h) d/dxi, dx = h dxi
@@ -47,15 +44,13 @@ impl Gram {
     }
 }
 
-/// Gauss-Legendre points and weights on [0, length]: exact to degree 7, one more than products of cubics have.
-fn gauss(length: f64) -> [(f64, f64); 4] {
-    const NODES: [(f64, f64); 2] =
-        [(0.339_981_043_584_856_3, 0.652_145_154_862_546_1), (0.861_136_311_594_052_6, 0.347_854_845_137_453_85)];
-    let half = 0.5 * length;
-    let at = |x: f64, w: f64| (half * (1.0 + x), half * w);
-    let [(x0, w0), (x1, w1)] = NODES;
-    [at(-x1, w1), at(-x0, w0), at(x0, w0), at(x1, w1)]
-}
+/// Gauss-Legendre points and weights on [0, 1]: exact to degree 7, one more than products of cubics have.
+const GAUSS: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_9, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
 
 /// Columns of row `i` of an n x n band.
 pub fn columns(i: usize, n: usize) -> std::ops::Range<usize> {
@@ -77,7 +72,7 @@ mod tests {
 
     #[test]
     fn interior_rows_are_the_known_integrals() {
-        let gram = Gram::new(9, 1.0, 9.0).unwrap();
+        let gram = Gram::new(9, 1.0).unwrap();
         let known = [[1.0, 120.0, 1191.0, 2416.0].map(|x| x / 5040.0), [-1.0, -24.0, -15.0, 80.0].map(|x| x / 120.0)];
         for (band, row) in gram.order.iter().zip(known) {
             for d in 0..=3 {
@@ -88,10 +83,11 @@ mod tests {
     }
 
     #[test]
-    fn integrates_polynomials_exactly_over_the_whole_and_over_a_part() {
-        // Control points (i - 1) reproduce f(xi) = xi; so int f^2 = e^3 / 3, int f'^2 = e, int f''^2 = 0.
-        for (n, extent, cell) in [(1, 1.0, 1.0), (2, 1.5, 0.5), (5, 5.0, 2.0), (7, 6.25, 0.1)] {
-            let gram = Gram::new(n, cell, extent).unwrap();
+    fn integrates_polynomials_exactly() {
+        // Control points (i - 1) reproduce f(xi) = xi on n cells; so int f^2 = n^3 / 3, int f'^2 = n, int f''^2 = 0.
+        for (n, cell) in [(1, 1.0), (2, 0.5), (5, 2.0), (7, 0.1)] {
+            let gram = Gram::new(n, cell).unwrap();
+            let extent = n as f64;
             let x: Vec<f64> = (0..n + 3).map(|i| i as f64 - 1.0).collect();
             let expected = [extent.powi(3) / 3.0 * cell, extent / cell, 0.0];
             for (k, e) in expected.into_iter().enumerate() {
@@ -104,7 +100,7 @@ mod tests {
     #[test]
     fn the_mode_without_sampled_energy_has_energy_here() {
         let n = 12;
-        let gram = Gram::new(n, 1.0, n as f64).unwrap();
+        let gram = Gram::new(n, 1.0).unwrap();
         let k: Vec<f64> = (0..n as i32 + 3).map(|i| (3f64.sqrt() - 2.0).powi(i)).collect();
         for i in 0..n {
             let knot_value: f64 = (0..4).map(|a| Weights::at(0.0).w[a] * k[i + a]).sum();

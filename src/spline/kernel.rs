@@ -125,3 +125,40 @@ impl Stencil {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::SplitMix64;
+
+    #[test]
+    fn scatter_is_the_transpose_of_value_and_gradient() {
+        let stencil = Stencil { first: 3, plane: 40, row: 6 };
+        let mut random = SplitMix64::new(1);
+        for _ in 0..20 {
+            let c: Vec<f64> = (0..200).map(|_| random.between(-1.0, 1.0)).collect();
+            let b: [Weights; 3] = std::array::from_fn(|_| Weights::at(random.unit()));
+            let (value, gradient) = stencil.value_gradient(&c, &b);
+            let (v, g): (f64, [f64; 3]) = (random.unit(), std::array::from_fn(|_| random.unit()));
+            let mut back = vec![0.0; c.len()];
+            stencil.scatter(&mut back, &b, v, g);
+            let there = v * value + (0..3).map(|a| g[a] * gradient[a]).sum::<f64>();
+            let back: f64 = back.iter().zip(&c).map(|(x, y)| x * y).sum();
+            assert!((there - back).abs() < 1e-13, "{there} {back}");
+        }
+    }
+
+    #[test]
+    fn the_three_kernels_agree() {
+        let stencil = Stencil { first: 0, plane: 16, row: 4 };
+        let mut random = SplitMix64::new(2);
+        for _ in 0..20 {
+            let c: Vec<f64> = (0..64).map(|_| random.between(-1.0, 1.0)).collect();
+            let u: [f64; 3] = std::array::from_fn(|_| random.unit());
+            let (value, gradient) = stencil.value_gradient(&c, &u.map(Weights::at));
+            let (value_h, gradient_h, _) = stencil.value_gradient_hessian(&c, u);
+            assert_eq!((value, gradient), (value_h, gradient_h));
+            assert!((stencil.value(&c, u) - value).abs() < 1e-15);
+        }
+    }
+}

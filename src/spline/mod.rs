@@ -1,4 +1,4 @@
-//! Uniform cubic B-splines on a box: bases, exact Gram matrices, the two-scale relation and the evaluation kernel.
+//! Uniform cubic B-splines on a box: bases, exact Gram matrices and the evaluation kernel.
 //!
 //! Takes a box and a resolution; gives weights, banded matrices and sums over the stencil of a point. Paper 000, section 3.2.
 //!
@@ -24,6 +24,5 @@ pub mod basis;
 pub mod centers;
 pub mod gram;
 pub mod kernel;
-pub mod twoscale;
 
 pub use axis::{Axis, Grid};
