@@ -234,7 +234,7 @@ typedef struct ko_fit_options {
      */
     double distance_weight;
     /**
-     * Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-3.
+     * Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-4.
      */
     double tolerance;
     /**
