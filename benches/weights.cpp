@@ -137,7 +137,7 @@ void all(const Data &data) {
 
     std::printf("# Weights\n\nFits to 25,000 samples, otherwise with the default options of keepout %s. Errors are those of |phi| / |grad phi| on the "
                 "surface at 20,000\nheld-out points, and of phi at 40,000 points +-0.01 D off it, in units of D; wrong signs are of 20,000 points in "
-                "the box, those farther\nthan one cell from the surface. The last row has the paper's weights, taken as dimensionless.\n",
+                "the box, those farther\nthan one cell from the surface. The last row has the paper's weights, taken as dimensionless.\n\nThe defaults are the most accurate whose signs are all right and that keep the mean of |grad phi| on the bunny within 0.02 of 1.\n",
                 ko_version());
     for (const auto &from : shapes) {
         const Shape shape = shape_of(from.name, data(from.path), from.grid);

@@ -76,6 +76,7 @@ static void threads_do_not_change_the_bits(void) {
         FAILS(ko_field_eval_parallel(field, many, N, spread, NULL, NULL, n_threads[t]), KO_ERR_INVALID_ARGUMENT,
               "point 9001 ");
     }
+    FAILS(ko_field_eval_parallel(field, many, 1, spread, NULL, NULL, UINT32_MAX), KO_ERR_INVALID_ARGUMENT, "n_threads is");
     FAILS(ko_field_eval_parallel(field, many, N, spread, NULL, NULL, UINT32_MAX), KO_ERR_INVALID_ARGUMENT,
           "n_threads is 4294967295");
     free(many);

@@ -25,11 +25,7 @@ pub struct Workers {
 impl Workers {
     /// `n_threads` threads: 0 for all cores, 1 for none but the caller's.
     pub fn new(n_threads: u32) -> Result<Self> {
-        if n_threads > MOST_THREADS {
-            return Err(Error::InvalidArgument(format!(
-                "n_threads is {n_threads}; it must be at most {MOST_THREADS}, and 0 takes all cores"
-            )));
-        }
+        Workers::check(n_threads)?;
         let n_threads = match n_threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             n => n as usize,
@@ -60,6 +56,16 @@ impl Workers {
                 })
             }
         }
+    }
+
+    /// Refuses a number of threads that no call should ask for.
+    pub fn check(n_threads: u32) -> Result<()> {
+        if n_threads <= MOST_THREADS {
+            return Ok(());
+        }
+        Err(Error::InvalidArgument(format!(
+            "n_threads is {n_threads}; it must be at most {MOST_THREADS}, and 0 takes all cores"
+        )))
     }
 
     /// No thread but the caller's.

@@ -8,10 +8,11 @@
 //! ```
 //!
 //! e starts as t^3 / (3 l^2), so phi is C2 across the faces. Far away s stands still and P gives way to m, its mean over the faces, on the scale of
-//! L, the box's diagonal; so the gradient tends to sigma e / r, of length 1. sigma is the sign that phi has on all faces: for a closed shape
-//! +1 where the design may be outside, -1 where inside, so that |phi| does not fall on the way out. Where phi has both signs on the faces
-//! (an open shape that reaches the box) m = 0 and sigma = tanh(P / h), h the longest cell edge: the sign of the clamped point made
-//! smooth, since a sign itself would jump where P crosses 0; beside the prolongation of that crossing the slope grows with r / h.
+//! L, the box's diagonal; so the gradient tends to sigma e / r, of length 1. sigma is the sign of the mean of phi over the faces: for a
+//! closed shape +1 where the design may be outside, -1 where inside, so that |phi| grows on the way out, but for errors of the fit near a
+//! face. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box) m = 0 and sigma = tanh(P / h), h the
+//! longest cell edge: the sign of the clamped point made smooth, since a sign itself would jump where P crosses 0; beside the prolongation
+//! of that crossing the slope grows with r / h.
 
 use super::Field;
 use crate::geometry::vec3::norm;
@@ -20,10 +21,14 @@ use crate::spline::kernel::Stencil;
 /// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.
 const REACH: f64 = 0.25;
 
+/// |mean of phi| over mean of |phi| on the faces above which they count as of one side: about 0 for a sheet through the box, near 1 for
+/// closed shapes. A few values of the wrong sign, where the surface comes near a face, do not make a shape open.
+const ONE_SIDED: f64 = 0.5;
+
 /// How the field goes on outside its box.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Beyond {
-    /// sigma where phi has one sign on all faces, `None` where it has both.
+    /// sigma where the faces are of one side, `None` where they are of both.
     pub sign: Option<f64>,
     /// m
     level: f64,
@@ -75,26 +80,27 @@ impl Field {
     /// How a field of these control points goes on, from its values at the corners of all cells on the faces.
     pub(super) fn look_at_faces(&self) -> Beyond {
         let n = self.grid.axes.map(|a| a.n_cells);
-        let (mut positive, mut negative, mut total, mut count) = (false, false, 0.0, 0.0);
+        let (mut total, mut size, mut count) = (0.0, 0.0, 0.0);
         for i in 0..=n[0] {
             for j in 0..=n[1] {
                 let inner = i > 0 && i < n[0] && j > 0 && j < n[1];
                 for k in (0..=n[2]).step_by(if inner { n[2] } else { 1 }) {
                     let (stencil, u) = self.grid.stencil([i, j, k].map(|x| x as f64));
                     let value = stencil.value(&self.coefficients, u);
-                    positive |= value > 0.0;
-                    negative |= value < 0.0;
                     total += value;
+                    size += value.abs();
                     count += 1.0;
                 }
             }
         }
         let extents = self.grid.axes.map(|a| a.upper() - a.lower);
         let length = norm(extents);
-        match (positive, negative) {
-            (true, true) => Beyond { sign: None, level: 0.0, length },
-            (false, false) => Beyond { sign: Some(self.feasible.sign()), level: 0.0, length },
-            (_, negative) => Beyond { sign: Some(if negative { -1.0 } else { 1.0 }), level: total / count, length },
+        if size == 0.0 {
+            Beyond { sign: Some(self.feasible.sign()), level: 0.0, length }
+        } else if total.abs() > ONE_SIDED * size {
+            Beyond { sign: Some(total.signum()), level: total / count, length }
+        } else {
+            Beyond { sign: None, level: 0.0, length }
         }
     }
 

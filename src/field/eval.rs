@@ -60,6 +60,7 @@ impl Field {
     pub fn eval_parallel(&self, points: &[Vec3], outputs: Outputs, n_threads: u32) -> Result<()> {
         const ITEM: usize = 16 * BLOCK;
         outputs.check(points.len())?;
+        Workers::check(n_threads)?;
         let workers = if points.len() <= ITEM { Workers::caller_only() } else { Workers::new(n_threads)? };
         let mut rest = outputs;
         let mut items = Vec::with_capacity(points.len().div_ceil(ITEM));

@@ -17,8 +17,8 @@
 //!
 //! Where we depart:
 //! - The regularisation is integrated exactly; sampled at control points, (8), the matrix is singular: see [`crate::spline::gram`].
-//! - Weights are dimensionless, so that units do not change the field. The paper's values taken as dimensionless give errors ten times as
-//!   large as ours: docs/weights.md.
+//! - Weights are dimensionless, so that units do not change the field. The paper's values taken as dimensionless give errors a hundred
+//!   times as large as ours: docs/weights.md.
 //! - Normals point to the feasible side or away from it as [`Feasible`] says; the paper's (6) takes them into the infeasible side.
 //! - Away from the surface phi is held to the distance to the cloud, (9), which the paper states and leaves out, so that its sign is right there: [`distance`].
 //! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`].

@@ -417,3 +417,21 @@ fn the_smallest_grid_and_the_smallest_cloud_are_served() -> Result<()> {
     assert_eq!(field.grid().shape(), [4, 5, 9]);
     Ok(())
 }
+
+#[test]
+fn closed_shapes_keep_their_sign_beyond_the_box_even_where_the_fit_is_coarse() {
+    let slab = box_mesh([0.0; 3], [1.0, 1.0, 0.4]).unwrap().sample(2000, 1).unwrap();
+    for feasible in [Feasible::Outside, Feasible::Inside] {
+        let field = fit(&slab, &FitOptions { feasible, ..FitOptions::default() });
+        for p in points_around(&field, 1.0, 2000) {
+            for a in 0..3 {
+                for face in [field.grid().axes[a].lower - 1.5, field.grid().axes[a].upper() + 1.5] {
+                    let mut beyond = p;
+                    beyond[a] = face;
+                    let phi = values(&field, &[beyond])[0];
+                    assert!(feasible.sign() * phi > 0.5, "{phi} at {beyond:?}");
+                }
+            }
+        }
+    }
+}
