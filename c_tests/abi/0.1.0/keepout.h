@@ -538,10 +538,11 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  * with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary cell's
  * polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
  *     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
- * sigma is the sign of phi on the faces: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| does not fall on the
- * way out and the gradient tends to length 1. Where phi has both signs on the faces (an open shape that reaches the box), m = 0 and
+ * sigma is the sign of m: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| grows on the way out, and the
+ * gradient tends to length 1. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box), m = 0 and
  * sigma = tanh(P / longest cell edge), steep where P crosses 0. `ko_field_outside_box` tells which points are outside.
- * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; outputs are unspecified then.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
+ * unspecified then.
  * Threads: any number at once. Cost: about 50 ns a point with gradient on one thread in cache; no allocation, no lock.
  */
 int32_t ko_field_eval(const struct ko_field *field,
@@ -554,7 +555,8 @@ int32_t ko_field_eval(const struct ko_field *field,
 /**
  * `ko_field_eval` with the batch spread over `n_threads` threads (0: all cores, 1: none but the caller's); the same bits.
  *
- * Errors: those of `ko_field_eval`; KO_ERR_INVALID_ARGUMENT for more than 1024 threads or threads that do not start.
+ * Errors: those of `ko_field_eval`; KO_ERR_INVALID_ARGUMENT for more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads
+ * that do not start. A batch of at most 4096 points stays on the caller's thread.
  * Threads: any number at once. Cost: starts the threads and joins them, which takes some 100 microseconds and memory: for batches of many
  * thousand points.
  */
@@ -569,7 +571,8 @@ int32_t ko_field_eval_parallel(const struct ko_field *field,
 /**
  * Writes to `outside` [n_points] 1 for each of `points` [3 * n_points] outside the field's box, 0 for each inside or on a face.
  *
- * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite. Threads: any number at once. No allocation, no lock.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
+ * No allocation, no lock.
  */
 int32_t ko_field_outside_box(const struct ko_field *field,
                              const double *points,
