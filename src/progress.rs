@@ -25,7 +25,8 @@ impl<'a> Progress<'a> {
         Progress { listener: None, told: 0.0 }
     }
 
-    /// Tells `fraction` done in `stage`, or the fraction told before where that is larger; [`Error::Cancelled`] when the listener asks to stop.
+    /// Tells `fraction` done in `stage`, or the fraction told before where that is larger; [`Error::Cancelled`] when the listener asks to
+    /// stop.
     pub fn tell(&mut self, fraction: f64, stage: &str) -> Result<()> {
         self.told = self.told.max(fraction).min(1.0);
         if let Some(listener) = &mut self.listener

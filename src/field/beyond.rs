@@ -1,18 +1,18 @@
 //! The field outside its box: a C2 continuation that grows like a distance.
 //!
-//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the cell's edge, s(t) = l tanh(t / l) and e = t - s(t). With P
-//! the boundary cell's polynomial, continued by at most l, and r = |e| over the axes,
+//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the cell's edge, s(t) = l tanh(t / l) and e = t -
+//! s(t). With P the boundary cell's polynomial, continued by at most l, and r = |e| over the axes,
 //!
 //! ```text
 //! phi(x) = m + (P(x_face + s) - m) L^2 / (L^2 + r^2) + sigma r
 //! ```
 //!
-//! e starts as t^3 / (3 l^2), so phi is C2 across the faces. Far away s stands still and P gives way to m, its mean over the faces, on the scale of
-//! L, the box's diagonal; so the gradient tends to sigma e / r, of length 1. sigma is the sign of the mean of phi over the faces: for a
-//! closed shape +1 where the design may be outside, -1 where inside, so that |phi| grows on the way out, but for errors of the fit near a
-//! face. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box) m = 0 and sigma = tanh(P / h), h the
-//! longest cell edge: the sign of the clamped point made smooth, since a sign itself would jump where P crosses 0; beside the prolongation
-//! of that crossing the slope grows with r / h.
+//! e starts as t^3 / (3 l^2), so phi is C2 across the faces. Far away s stands still and P gives way to m, its mean over the faces, on
+//! the scale of L, the box's diagonal; so the gradient tends to sigma e / r, of length 1. sigma is the sign of the mean of phi over the
+//! faces: for a closed shape +1 where the design may be outside, -1 where inside, so that |phi| grows on the way out, but for errors of
+//! the fit near a face. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box) m = 0 and sigma = tanh(P
+//! / h), h the longest cell edge: the sign of the clamped point made smooth, since a sign itself would jump where P crosses 0; beside the
+//! prolongation of that crossing the slope grows with r / h.
 
 use super::Field;
 use crate::geometry::vec3::norm;

@@ -1,18 +1,19 @@
 //! The distance energy away from the surface, paper 000 (9): what keeps the sign right where no data is near.
 //!
-//! The Hessian energy alone goes on linearly from the data. Beyond a sharp edge of a thin part, where the true distance has a kink, it may so pass
-//! through zero again. The paper leaves (9) out because it makes phi oscillate; that is so near the surface, where distances
-//! taken from a cloud disagree with the data terms. So the term is kept to cells farther than an edge from the surface, and its weight is
-//! tied to that of the smoothness:
+//! The Hessian energy alone goes on linearly from the data. Beyond a sharp edge of a thin part, where the true distance has a kink, it
+//! may so pass through zero again. The paper leaves (9) out because it found phi to overfit and oscillate with it. Near the surface
+//! distances taken from a cloud disagree with the data terms, so the term is kept to cells farther than an edge from the surface, and its
+//! weight is tied to that of the smoothness:
 //!
 //! ```text
 //! lambda_d = w lambda_r / h^4,   E_d = (1 / number of cells) sum over far cells of s (phi(x) - d(x))^2
 //! ```
 //!
-//! x a cell's centre, h the longest cell edge. phi then follows d over lengths above h / w^(1/4) and rounds its kinks below. d is
-//! the distance to the nearest point of the cloud, with the sign of t - 2 W, W the winding number of its surfels, and s = (t - 2 W)^2, at most 1,
-//! fades the term out where an open shape has no clear side. t is 1 where the normals point out of a solid: W is 1 inside and 0 outside. Around a
-//! cavity, where they point inwards, W is -1 inside and 0 outside, and t is -1, so that d is positive where the normals point to.
+//! x a cell's centre, h the longest cell edge. phi then follows d over lengths above h / w^(1/4) and rounds its kinks below. d is the
+//! distance to the nearest point of the cloud, with the sign of t - 2 W, W the winding number of its surfels, and s = (t - 2 W)^2, at
+//! most 1, fades the term out where an open shape has no clear side. t is 1 where the normals point out of a solid: W is 1 inside and 0
+//! outside. Around a cavity, where they point inwards, W is -1 inside and 0 outside, and t is -1, so that d is positive where the normals
+//! point to.
 
 use crate::Result;
 use crate::error::try_vec;
@@ -82,8 +83,8 @@ impl FarDistances {
     }
 }
 
-/// t: -1 where three quarters of the places outside, where W is about 0, lie behind the normals nearest to them; 1 elsewhere. Each `far` place comes
-/// as its distance, signed by the nearest normal, and W. One normal errs beyond a sharp edge; most do not.
+/// t: -1 where three quarters of the places outside, where W is about 0, lie behind the normals nearest to them; 1 elsewhere. Each `far`
+/// place comes as its distance, signed by the nearest normal, and W. One normal errs beyond a sharp edge; most do not.
 fn turn<'a>(far: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
     let (before, behind) = far.filter(|(_, w)| w.abs() < 0.25).fold((0u64, 0u64), |(before, behind), (d, _)| {
         if d.is_sign_positive() { (before + 1, behind) } else { (before, behind + 1) }

@@ -27,8 +27,8 @@ pub fn diagonal(bounds: &Bounds) -> Result<f64> {
     Ok(d)
 }
 
-/// The grid for points within `bounds`, in the caller's units. Counts of 0 in `control_points` are chosen so that cells are close to cubes and
-/// at most `target` control points are used, unless the counts asked for leave no room for that.
+/// The grid for points within `bounds`, in the caller's units. Counts of 0 in `control_points` are chosen so that cells are close to
+/// cubes and at most `target` control points are used, unless the counts asked for leave no room for that.
 pub fn grid(bounds: &Bounds, margin: f64, control_points: [u32; 3], target: usize) -> Result<Grid> {
     let d = diagonal(bounds)?;
     let extents = bounds.extents().map(|e| e.max(THINNEST * d) * (1.0 + margin));

@@ -22,7 +22,8 @@ fn chosen_control_points(n_points: usize) -> usize {
 
 /// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included.
 pub fn memory(n_points: u128, shape: [u128; 3]) -> u128 {
-    // A point: its coordinates, normal, origin, place and masses; its copy in units of D; its surfel with the trees that measure distances to it.
+    // A point: its coordinates, normal, origin, place and masses; its copy in units of D; its surfel with the trees that measure
+    // distances to it.
     let point = 24 + 24 + 32 + 16 + 16 + 48 + 450;
     // An unknown: the solution and the right-hand side, four vectors of the solve, six of the regularisation, one of the
     // preconditioner, eight of the distances. An axis: three bands of 7 numbers a control point.

@@ -20,7 +20,8 @@
 //! - Weights are dimensionless, so that units do not change the field. The paper's values taken as dimensionless give errors a hundred
 //!   times as large as ours: docs/weights.md.
 //! - Normals point to the feasible side or away from it as [`Feasible`] says; the paper's (6) takes them into the infeasible side.
-//! - Away from the surface phi is held to the distance to the cloud, (9), which the paper states and leaves out, so that its sign is right there: [`distance`].
+//! - Away from the surface phi is held to the distance to the cloud, (9), which the paper states and leaves out, so that its sign is
+//!   right there: [`distance`].
 //! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`].
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations.
 //! - An axis of the box thinner than 0.05 D is widened to that first, so that a flat cloud has a box: [`domain`].

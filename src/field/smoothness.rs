@@ -129,7 +129,8 @@ mod tests {
         y.iter().zip(c).map(|(y, c)| y * c).sum()
     }
 
-    /// Control points of f(x) = sum_k over axes, from those of x and x^2 along one axis: xi is reproduced by i - 1, xi^2 by (i - 1)^2 - 1/3.
+    /// Control points of f(x) = sum_k over axes, from those of x and x^2 along one axis: xi is reproduced by i - 1, xi^2 by (i - 1)^2 -
+    /// 1/3.
     fn tensor(grid: &Grid, f: impl Fn([[f64; 2]; 3]) -> f64) -> Vec<f64> {
         let [nx, ny, nz] = grid.shape();
         let along = |a: usize, i: usize| {

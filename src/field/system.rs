@@ -1,8 +1,8 @@
 //! The linear system of the minimum (11) and its preconditioner, the inverse of the diagonal.
 //!
-//! The distance term holds every mode far from the surface and the data terms those near it, so the smoothness, the only ill-conditioned part, is nowhere
-//! alone: scaling suffices. Summing corrections over coarser grids as well (Bramble, Pasciak and Xu 1990) took four to six times as many
-//! iterations at the default weights.
+//! The distance term holds every mode far from the surface and the data terms those near it, so the smoothness, the only ill-conditioned
+//! part, is nowhere alone: scaling suffices. Summing corrections over coarser grids as well (Bramble, Pasciak and Xu 1990) took four to
+//! six times as many iterations at the default weights.
 
 use super::energy::Energy;
 use crate::Result;

@@ -71,8 +71,8 @@ impl Cloud {
         self
     }
 
-    /// The cloud with points that are given more than once, as the vertices of a triangle soup are, made one where their normals agree: it has
-    /// the mean of their normals. Copies that face against each other are the two sides of a sheet, and stay.
+    /// The cloud with points that are given more than once, as the vertices of a triangle soup are, made one where their normals agree:
+    /// it has the mean of their normals. Copies that face against each other are the two sides of a sheet, and stay.
     pub(crate) fn without_copies(self) -> Result<Self> {
         let mut order = try_with_capacity(self.len(), "the order of the points")?;
         order.extend(0..self.len());

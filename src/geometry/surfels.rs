@@ -1,10 +1,11 @@
 //! Surfels: a cloud as a mesh of small triangles, one a point, which tells sides away from the surface by its winding number.
 //!
-//! Each triangle is equilateral, lies in the plane of its point's normal and has the area that the point stands for. The winding number of a
-//! cloud is that of its surfels (Barill et al. 2018).
+//! Each triangle is equilateral, lies in the plane of its point's normal and has the area that the point stands for. The winding number
+//! of a cloud is that of its surfels (Barill et al. 2018).
 //!
-//! The area is that of an ellipse with the covariance C of the nearest points that face the same way, seen in the plane, divided among them:
-//! 4 pi sqrt(det C) / k. Unlike pi r^2 / k with r the distance to the k-th, it is right for strips one point wide too: the edges of thin plates.
+//! The area is that of an ellipse with the covariance C of the nearest points that face the same way, seen in the plane, divided among
+//! them: 4 pi sqrt(det C) / k. Unlike pi r^2 / k with r the distance to the k-th, it is right for strips one point wide too: the edges of
+//! thin plates.
 
 use super::neighbours::{Neighbour, Neighbours};
 use super::vec3::{Vec3, add, cross, dot, normalized, scale, sub};

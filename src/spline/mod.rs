@@ -6,8 +6,8 @@
 //! neighbouring knots inside the box. *Degree* is always meant, never order: cubic is degree 3. *Control points* are the coefficients;
 //! an axis of c cells has n = c + 3 of them, and those of cell i are i, i + 1, i + 2, i + 3, so the outermost lie beyond the box.
 //!
-//! Notation: h cell edge; xi = (x - lower) / h the coordinate in cells; i = floor(xi) the cell; u = xi - i in [0, 1]; B_i the basis function
-//! of control point i; w, dw, ddw its values and derivatives with respect to xi on one cell.
+//! Notation: h cell edge; xi = (x - lower) / h the coordinate in cells; i = floor(xi) the cell; u = xi - i in [0, 1]; B_i the basis
+//! function of control point i; w, dw, ddw its values and derivatives with respect to xi on one cell.
 //!
 //! | paper 000 | here |
 //! |---|---|
