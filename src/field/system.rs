@@ -1,8 +1,7 @@
 //! The linear system of the minimum (11) and its preconditioner, the inverse of the diagonal.
 //!
-//! The distance term holds every mode far from the surface and the data terms those near it, so the smoothness, the only ill-conditioned
-//! part, is nowhere alone: scaling suffices. Summing corrections over coarser grids as well (Bramble, Pasciak and Xu 1990) took four to
-//! six times as many iterations at the default weights.
+//! Summing corrections over coarser grids as well (Bramble, Pasciak and Xu 1990) was tried and took more iterations on the bunny: 2.3 times as
+//! many at 16 x 16 x 13 control points and the default weights, 4.3 at 32 x 31 x 25, 6 at 64 x 62 x 50, and 2.1 without the distance term.
 
 use super::energy::Energy;
 use crate::Result;
