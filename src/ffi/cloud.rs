@@ -110,7 +110,7 @@ pub unsafe extern "C" fn ko_cloud_copy_origins(
         check_count("n_points", n_points, cloud.len())?;
         // SAFETY: the header asks for NULL or an array of this length.
         if let Some(to) = unsafe { wanted(triangles, n_points, "triangles") }? {
-            to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.triangle);
+            to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.facet);
         }
         // SAFETY: as above.
         if let Some(to) = unsafe { wanted(barycentric.cast::<[f64; 3]>(), n_points, "barycentric") }? {

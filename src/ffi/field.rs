@@ -7,7 +7,7 @@ use super::pointer::{array, array_mut, create, free, object, path, wanted};
 use super::report::ko_fit_report;
 use crate::Result;
 use crate::field::{Field, Outputs};
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 use crate::progress::Progress;
 use std::ffi::{CString, c_char};
 use std::ops::ControlFlow;

@@ -15,7 +15,7 @@
 //! prolongation of that crossing the slope grows with r / h.
 
 use super::Field;
-use crate::geometry::vec3::norm;
+use crate::geometry::vec::norm;
 use crate::spline::kernel::Stencil;
 
 /// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.

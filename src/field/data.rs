@@ -5,7 +5,7 @@
 use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
-use crate::geometry::vec3::{Vec3, norm};
+use crate::geometry::vec::{Vec3, norm};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::basis::Weights;
@@ -129,7 +129,7 @@ impl DataTerm {
             for (xi, distance) in xi.iter().zip(distances) {
                 let (stencil, u) = self.grid.stencil(*xi);
                 let (value, g) = stencil.value_gradient(x, &u.map(Weights::at));
-                let slope = norm(std::array::from_fn(|a| self.per_cell[a] * g[a]));
+                let slope = norm::<3>(std::array::from_fn(|a| self.per_cell[a] * g[a]));
                 *distance = value.abs() / slope.max(flattest);
             }
         });

@@ -19,7 +19,7 @@ use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
 use crate::geometry::neighbours::{Neighbour, Neighbours};
-use crate::geometry::vec3::{Vec3, dot, sub};
+use crate::geometry::vec::{Vec3, dot, sub};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::centers::{Centers, taps};

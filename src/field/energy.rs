@@ -11,7 +11,7 @@ use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};
 use super::smoothness::Smoothness;
 use crate::error::try_vec;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::{Error, Result};

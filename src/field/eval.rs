@@ -2,7 +2,7 @@
 //! [`Field::eval_parallel`], which does so once a call.
 
 use super::Field;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 use crate::par::Workers;
 use crate::spline::basis::Weights;
 use crate::{Error, Result};

@@ -80,7 +80,7 @@ impl Field {
                 let v = v / self.diagonal;
                 squares += v * v;
                 max = max.max(v.abs());
-                lengths += crate::geometry::vec3::norm(*g);
+                lengths += crate::geometry::vec::norm(*g);
             }
         }
         let n = cloud.len() as f64;

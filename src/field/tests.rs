@@ -3,7 +3,7 @@
 use super::*;
 use crate::geometry::random::SplitMix64;
 use crate::geometry::shapes::{box_mesh, sphere, torus};
-use crate::geometry::vec3::{Vec3, add, dot, norm, scale, sub};
+use crate::geometry::vec::{Vec3, add, dot, norm, scale, sub};
 use crate::geometry::{Cloud, Mesh};
 use crate::progress::Progress;
 use crate::{Error, Result};

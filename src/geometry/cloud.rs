@@ -1,30 +1,31 @@
 //! An oriented point cloud: points on a surface with unit normals.
 
 use super::Bounds;
-use super::vec3::{Vec3, add, dot, normalized};
+use super::vec::{add, dot, is_finite, normalized, text};
 use crate::error::try_with_capacity;
 use crate::{Error, Result};
+use std::cmp::Ordering;
 
 /// Where on a mesh a point of a cloud was taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Origin {
-    /// Index of the triangle.
-    pub triangle: u32,
+pub struct Origin<const D: usize = 3> {
+    /// Index of the facet: triangle or segment.
+    pub facet: u32,
     /// Barycentric coordinates in it: not negative, of sum 1.
-    pub barycentric: [f64; 3],
+    pub barycentric: [f64; D],
 }
 
-/// Points [N x 3] with unit normals [N x 3] that point out of the solid.
+/// Points [N x D] with unit normals [N x D] that point out of the solid.
 #[derive(Debug, Clone)]
-pub struct Cloud {
-    points: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    origins: Option<Vec<Origin>>,
+pub struct Cloud<const D: usize = 3> {
+    points: Vec<[f64; D]>,
+    normals: Vec<[f64; D]>,
+    origins: Option<Vec<Origin<D>>>,
 }
 
-impl Cloud {
+impl<const D: usize> Cloud<D> {
     /// A cloud of `points` with `normals` of any length but 0.
-    pub fn new(points: Vec<Vec3>, mut normals: Vec<Vec3>) -> Result<Self> {
+    pub fn new(points: Vec<[f64; D]>, mut normals: Vec<[f64; D]>) -> Result<Self> {
         if points.is_empty() {
             return Err(Error::InvalidArgument("the cloud has no points; at least 1 is needed".into()));
         }
@@ -42,11 +43,8 @@ impl Cloud {
             )));
         }
         for (i, p) in points.iter().enumerate() {
-            if !p.iter().all(|x| x.is_finite()) {
-                return Err(Error::InvalidArgument(format!(
-                    "point {i} is ({}, {}, {}); coordinates must be finite",
-                    p[0], p[1], p[2]
-                )));
+            if !is_finite(p) {
+                return Err(Error::InvalidArgument(format!("point {i} is {}; coordinates must be finite", text(p))));
             }
         }
         for (i, n) in normals.iter_mut().enumerate() {
@@ -55,17 +53,14 @@ impl Cloud {
                 continue;
             }
             *n = normalized(*n).ok_or_else(|| {
-                Error::InvalidArgument(format!(
-                    "normal {i} is ({}, {}, {}); a finite vector longer than 0 is needed",
-                    n[0], n[1], n[2]
-                ))
+                Error::InvalidArgument(format!("normal {i} is {}; a finite vector longer than 0 is needed", text(n)))
             })?;
         }
         Ok(Cloud { points, normals, origins: None })
     }
 
     /// The cloud with the places on a mesh from which its points were taken, one a point.
-    pub(crate) fn with_origins(mut self, origins: Vec<Origin>) -> Self {
+    pub(crate) fn with_origins(mut self, origins: Vec<Origin<D>>) -> Self {
         debug_assert_eq!(origins.len(), self.points.len());
         self.origins = Some(origins);
         self
@@ -78,14 +73,15 @@ impl Cloud {
         order.extend(0..self.len());
         // -0.0 + 0.0 is 0.0: the two zeros are one place.
         let place = |&i: &usize| self.points[i].map(|x| x + 0.0);
-        let by_place =
-            |a: &[f64; 3], b: &[f64; 3]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]));
+        let by_place = |a: &[f64; D], b: &[f64; D]| {
+            a.iter().zip(b).map(|(a, b)| a.total_cmp(b)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
+        };
         order.sort_unstable_by(|i, j| by_place(&place(i), &place(j)).then(i.cmp(j)));
         if order.windows(2).all(|pair| place(&pair[0]) != place(&pair[1])) {
             return Ok(self);
         }
         let mut points = try_with_capacity(self.len(), "the points given once")?;
-        let mut normals: Vec<Vec3> = try_with_capacity(self.len(), "the normals of the points given once")?;
+        let mut normals: Vec<[f64; D]> = try_with_capacity(self.len(), "the normals of the points given once")?;
         for copies in order.chunk_by(|i, j| place(i) == place(j)) {
             let first = points.len();
             for &i in copies {
@@ -112,23 +108,23 @@ impl Cloud {
         self.points.is_empty()
     }
 
-    /// Points [N x 3].
-    pub fn points(&self) -> &[Vec3] {
+    /// Points [N x D].
+    pub fn points(&self) -> &[[f64; D]] {
         &self.points
     }
 
-    /// Unit normals [N x 3].
-    pub fn normals(&self) -> &[Vec3] {
+    /// Unit normals [N x D].
+    pub fn normals(&self) -> &[[f64; D]] {
         &self.normals
     }
 
-    /// Triangle and barycentric coordinates of each point, when the cloud was sampled from a mesh.
-    pub fn origins(&self) -> Option<&[Origin]> {
+    /// Facet and barycentric coordinates of each point, when the cloud was sampled from a mesh.
+    pub fn origins(&self) -> Option<&[Origin<D>]> {
         self.origins.as_deref()
     }
 
     /// The box around the points.
-    pub fn bounds(&self) -> Bounds {
+    pub fn bounds(&self) -> Bounds<D> {
         Bounds::of(&self.points)
     }
 }

@@ -4,10 +4,10 @@
 //! point skipped. The side comes from the generalised winding number (`winding.rs`), so open meshes have sides too.
 
 use super::bvh::{Bvh, STACK_SIZE};
+use super::facet::{self, Closest, closest};
 use super::morton::along_z_curve;
-use super::triangle::{Closest, closest};
 use super::unit::Unit;
-use super::vec3::{Vec3, add, scale};
+use super::vec::{is_finite, scale, text};
 use super::winding::{Side, Winding};
 use super::{Bounds, Mesh};
 use crate::error::try_with_capacity;
@@ -18,64 +18,62 @@ const FAR: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// The point of a mesh closest to a query.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClosestPoint {
+pub struct ClosestPoint<const D: usize = 3> {
     /// Distance to the query, not negative.
     pub distance: f64,
     /// The point.
-    pub point: Vec3,
-    /// A triangle that holds it.
-    pub triangle: u32,
+    pub point: [f64; D],
+    /// A facet that holds it.
+    pub facet: u32,
 }
 
 /// A mesh prepared for distances. Each query's answer depends on the mesh and that query alone.
 #[derive(Debug)]
-pub struct DistanceTree {
+pub struct DistanceTree<const D: usize = 3> {
     /// Of the mesh, in the caller's unit.
-    bounds: Bounds,
+    bounds: Bounds<D>,
     /// Everything below is in this unit.
     unit: Unit,
-    tree: Bvh,
-    /// One a triangle: corners of the triangles in the tree's order.
-    corners: Vec<[Vec3; 3]>,
-    winding: Winding,
+    tree: Bvh<D>,
+    /// Corners of the facets in the tree's order.
+    corners: Vec<[[f64; D]; D]>,
+    winding: Winding<D>,
 }
 
 /// A query in the tree's unit.
-struct Query {
-    point: Vec3,
+struct Query<const D: usize> {
+    point: [f64; D],
     /// Brings distances back to the caller's unit.
     stretch: f64,
 }
 
-impl DistanceTree {
-    /// The tree of `mesh`: about 200 bytes a triangle. [`Mesh::distance_tree`] keeps one.
-    pub fn new(mesh: &Mesh) -> Result<Self> {
+impl<const D: usize> DistanceTree<D> {
+    /// The tree of `mesh`: about 200 bytes a facet. [`Mesh::distance_tree`] keeps one.
+    pub fn new(mesh: &Mesh<D>) -> Result<Self> {
         let unit = Unit::of(mesh);
         let shrunk = unit.shrunk(mesh)?;
-        let tree = Bvh::new(&shrunk)?;
-        let mut corners = try_with_capacity(tree.order.len(), "the triangles of the distance tree")?;
+        let tree = Bvh::new(shrunk.facets().len(), |f| Bounds::of(&shrunk.corners(f)))?;
+        let mut corners = try_with_capacity(tree.order.len(), "the facets of the distance tree")?;
         corners.extend(tree.order.iter().map(|&t| shrunk.corners(t as usize)));
         let winding = Winding::new(&tree, &corners)?;
         Ok(DistanceTree { bounds: mesh.bounds(), unit, tree, corners, winding })
     }
 
     /// The point of the mesh closest to `point`.
-    pub fn closest_point(&self, point: Vec3) -> Result<ClosestPoint> {
+    pub fn closest_point(&self, point: [f64; D]) -> Result<ClosestPoint<D>> {
         check_finite(0, point)?;
         let query = self.query(point);
         let (place, closest) = self.search(query.point);
-        let [a, b, c] = self.corners[place];
-        let [u, v, w] = closest.barycentric;
         Ok(ClosestPoint {
             distance: closest.distance_squared.sqrt() * query.stretch,
-            point: scale(self.unit.grow, add(add(scale(u, a), scale(v, b)), scale(w, c))),
-            triangle: self.tree.order[place],
+            point: scale(self.unit.grow, facet::point(&self.corners[place], closest.barycentric)),
+            facet: self.tree.order[place],
         })
     }
 
     /// Signed distances of `points` into `out`, as many: positive outside, where the winding number is below 1/2, negative
     /// inside, 0 on the mesh.
-    pub fn signed_distances(&self, points: &[Vec3], out: &mut [f64]) -> Result<()> {
+    pub fn signed_distances(&self, points: &[[f64; D]], out: &mut [f64]) -> Result<()> {
         if points.len() != out.len() {
             return Err(Error::InvalidArgument(format!(
                 "{} points come with room for {} distances; as many are needed",
@@ -93,12 +91,12 @@ impl DistanceTree {
         Ok(())
     }
 
-    /// Winding number of the mesh around `point`, to about 0.1: the far fields of distant triangles stand for them.
-    pub fn winding_number(&self, point: Vec3) -> f64 {
+    /// Winding number of the mesh around `point`, to about 0.1: the far fields of distant facets stand for them.
+    pub fn winding_number(&self, point: [f64; D]) -> f64 {
         self.winding.rough(&self.tree, &self.corners, self.query(point).point)
     }
 
-    fn signed_distance(&self, query: &Query) -> f64 {
+    fn signed_distance(&self, query: &Query<D>) -> f64 {
         let (_, closest) = self.search(query.point);
         if closest.distance_squared == 0.0 {
             return 0.0;
@@ -111,7 +109,7 @@ impl DistanceTree {
     }
 
     /// A finite point in the tree's unit.
-    fn query(&self, point: Vec3) -> Query {
+    fn query(&self, point: [f64; D]) -> Query<D> {
         let largest = point.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
         if largest * self.unit.shrink <= FAR {
             return Query { point: scale(self.unit.shrink, point), stretch: self.unit.grow };
@@ -119,8 +117,8 @@ impl DistanceTree {
         Query { point: point.map(|x| x / largest * FAR), stretch: largest / FAR }
     }
 
-    /// The place, in the tree's order, of a triangle closest to `p`, and its closest point.
-    fn search(&self, p: Vec3) -> (usize, Closest) {
+    /// The place, in the tree's order, of a facet closest to `p`, and its closest point.
+    fn search(&self, p: [f64; D]) -> (usize, Closest<D>) {
         let mut best = (0, closest(p, &self.corners[0]));
         let mut stack = [(0, 0.0); STACK_SIZE];
         let mut depth = 1;
@@ -152,18 +150,18 @@ impl DistanceTree {
 }
 
 /// Refuses point `i` when a coordinate is not finite.
-fn check_finite(i: usize, p: Vec3) -> Result<()> {
-    if p.iter().all(|x| x.is_finite()) {
+fn check_finite<const D: usize>(i: usize, p: [f64; D]) -> Result<()> {
+    if is_finite(&p) {
         return Ok(());
     }
-    Err(Error::InvalidArgument(format!("point {i} is ({}, {}, {}); coordinates must be finite", p[0], p[1], p[2])))
+    Err(Error::InvalidArgument(format!("point {i} is {}; coordinates must be finite", text(&p))))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::random::SplitMix64;
     use super::super::shapes::{box_mesh, sphere, torus};
-    use super::super::vec3::{norm, sub};
+    use super::super::vec::{Vec3, add, norm, sub};
     use super::*;
 
     fn random_point(random: &mut SplitMix64, size: f64) -> Vec3 {
@@ -235,7 +233,7 @@ mod tests {
         assert_eq!(signed(&cube, &points), [-1.0, -0.5, 2.0, 5.0, 3.0, 0.0]);
         let found = cube.distance_tree().unwrap().closest_point([2.0, 0.5, 0.25]).unwrap();
         assert_eq!((found.distance, found.point), (1.0, [1.0, 0.5, 0.25]));
-        assert!(cube.corners(found.triangle as usize).iter().all(|c| c[0] == 1.0));
+        assert!(cube.corners(found.facet as usize).iter().all(|c| c[0] == 1.0));
     }
 
     #[test]

@@ -13,7 +13,7 @@
 
 use super::Bounds;
 use super::cloud::Origin;
-use super::vec3::{Vec3, dot, sub};
+use super::vec::{Vec3, dot, sub};
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use std::cmp::Ordering;

@@ -1,76 +1,79 @@
-//! A triangle mesh: vertices and vertex indices, checked once.
+//! A mesh: vertices and vertex indices, checked once. Triangles in space, segments in the plane.
 
-use super::vec3::{Vec3, cross, sub};
-use super::{Bounds, DistanceTree};
+use super::vec::{is_finite, text};
+use super::{Bounds, DistanceTree, facet};
 use crate::{Error, Result};
 use std::sync::{Arc, OnceLock};
 
-/// A triangulated surface, open or closed. Every coordinate is finite and every index in range; nothing else is promised:
-/// [`Mesh::report`] tells the rest.
+/// A surface in space made of triangles, or a curve in the plane made of segments: facets with D corners, open or closed. Every
+/// coordinate is finite and every index in range; nothing else is promised: [`Mesh::report`] tells the rest.
 #[derive(Debug, Clone)]
-pub struct Mesh {
-    vertices: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
+pub struct Mesh<const D: usize = 3> {
+    vertices: Vec<[f64; D]>,
+    facets: Vec<[u32; D]>,
     /// Made when first asked for; clones share it.
-    distance_tree: OnceLock<Arc<DistanceTree>>,
+    distance_tree: OnceLock<Arc<DistanceTree<D>>>,
 }
 
-impl Mesh {
-    /// A mesh of `vertices` [V x 3] and `triangles` [T x 3], counter-clockwise seen from outside, indices from 0.
-    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
-        if triangles.is_empty() {
-            return Err(Error::InvalidArgument("the mesh has no triangles; at least 1 is needed".into()));
+impl<const D: usize> Mesh<D> {
+    /// What a facet is called.
+    pub(crate) const FACET: &str = if D == 2 { "segment" } else { "triangle" };
+
+    /// A mesh of `vertices` [V x D] and `facets` [F x D], indices from 0: triangles counter-clockwise seen from outside, segments with
+    /// the solid on their left.
+    pub fn new(vertices: Vec<[f64; D]>, facets: Vec<[u32; D]>) -> Result<Self> {
+        const { assert!(D == 2 || D == 3, "meshes are of the plane or of space") };
+        let name = Self::FACET;
+        if facets.is_empty() {
+            return Err(Error::InvalidArgument(format!("the mesh has no {name}s; at least 1 is needed")));
         }
-        // Trees over the triangles count up to twice as many nodes in 32 bits.
+        // Trees over the facets count up to twice as many nodes in 32 bits.
         const MOST: usize = (1 << 31) - 1;
-        if triangles.len() > MOST {
-            let n = triangles.len();
-            return Err(Error::InvalidArgument(format!("the mesh has {n} triangles; at most {MOST} are taken")));
+        if facets.len() > MOST {
+            let n = facets.len();
+            return Err(Error::InvalidArgument(format!("the mesh has {n} {name}s; at most {MOST} are taken")));
         }
-        if let Some((i, v)) = vertices.iter().enumerate().find(|(_, v)| !v.iter().all(|x| x.is_finite())) {
-            return Err(Error::InvalidArgument(format!(
-                "vertex {i} is ({}, {}, {}); coordinates must be finite",
-                v[0], v[1], v[2]
-            )));
+        if let Some((i, v)) = vertices.iter().enumerate().find(|(_, v)| !is_finite(&v[..])) {
+            return Err(Error::InvalidArgument(format!("vertex {i} is {}; coordinates must be finite", text(v))));
         }
         let n = vertices.len();
-        if let Some((i, t)) = triangles.iter().enumerate().find(|(_, t)| t.iter().any(|&v| v as usize >= n)) {
+        if let Some((i, f)) = facets.iter().enumerate().find(|(_, f)| f.iter().any(|&v| v as usize >= n)) {
+            let f = f.map(f64::from);
             return Err(Error::InvalidArgument(format!(
-                "triangle {i} is ({}, {}, {}), but the mesh has {n} vertices, counted from 0",
-                t[0], t[1], t[2]
+                "{name} {i} is {}, but the mesh has {n} vertices, counted from 0",
+                text(&f)
             )));
         }
-        Ok(Mesh { vertices, triangles, distance_tree: OnceLock::new() })
+        Ok(Mesh { vertices, facets, distance_tree: OnceLock::new() })
     }
 
-    /// Vertices [V x 3].
-    pub fn vertices(&self) -> &[Vec3] {
+    /// Vertices [V x D].
+    pub fn vertices(&self) -> &[[f64; D]] {
         &self.vertices
     }
 
-    /// Vertex indices of the triangles [T x 3].
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
+    /// Vertex indices of the facets [F x D].
+    pub fn facets(&self) -> &[[u32; D]] {
+        &self.facets
     }
 
-    /// The corners of triangle `t`.
-    pub fn corners(&self, t: usize) -> [Vec3; 3] {
-        self.triangles[t].map(|v| self.vertices[v as usize])
+    /// The corners of facet `f`.
+    pub fn corners(&self, f: usize) -> [[f64; D]; D] {
+        self.facets[f].map(|v| self.vertices[v as usize])
     }
 
-    /// Twice the area of triangle `t` times its unit normal.
-    pub fn area_normal(&self, t: usize) -> Vec3 {
-        let [a, b, c] = self.corners(t);
-        cross(sub(b, a), sub(c, a))
+    /// The unit normal of facet `f` times its length (D = 2) or twice its area (D = 3).
+    pub fn area_normal(&self, f: usize) -> [f64; D] {
+        facet::normal(&self.corners(f))
     }
 
-    /// The box around the vertices that triangles use.
-    pub fn bounds(&self) -> Bounds {
-        Bounds::of(self.triangles.iter().flatten().map(|&v| &self.vertices[v as usize]))
+    /// The box around the vertices that facets use.
+    pub fn bounds(&self) -> Bounds<D> {
+        Bounds::of(self.facets.iter().flatten().map(|&v| &self.vertices[v as usize]))
     }
 
     /// The tree that answers distances to this mesh, built by the first call.
-    pub fn distance_tree(&self) -> Result<&DistanceTree> {
+    pub fn distance_tree(&self) -> Result<&DistanceTree<D>> {
         if let Some(tree) = self.distance_tree.get() {
             return Ok(tree);
         }
@@ -79,11 +82,25 @@ impl Mesh {
         Ok(self.distance_tree.get_or_init(|| tree))
     }
 
-    /// Turns every triangle over, so that an inside-out solid becomes a solid.
+    /// Turns every facet over, so that an inside-out solid becomes a solid.
     pub fn flip(&mut self) {
-        for t in &mut self.triangles {
-            t.swap(1, 2);
+        for f in &mut self.facets {
+            f.swap(D - 2, D - 1);
         }
         self.distance_tree = OnceLock::new();
+    }
+}
+
+impl Mesh<3> {
+    /// Vertex indices of the triangles [T x 3].
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.facets
+    }
+}
+
+impl Mesh<2> {
+    /// Vertex indices of the segments [S x 2].
+    pub fn segments(&self) -> &[[u32; 2]] {
+        &self.facets
     }
 }

@@ -1,4 +1,4 @@
-//! Shapes: triangle meshes, oriented point clouds, and exact distances between them and points.
+//! Shapes: meshes, triangles in space and segments in the plane, oriented point clouds, and exact distances between them and points.
 //!
 //! Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
 //! bounding-box diagonal D happens at the door of the room that needs it. Normals of a solid point out of it; signed distances
@@ -31,6 +31,7 @@ pub mod cloud;
 pub mod distance;
 mod edges;
 mod eliminate;
+mod facet;
 pub mod mesh;
 mod morton;
 pub mod neighbours;
@@ -39,11 +40,12 @@ pub mod random;
 pub mod read;
 pub mod report;
 pub mod sample;
+mod segment;
 pub mod shapes;
 pub mod surfels;
 mod triangle;
 mod unit;
-pub mod vec3;
+pub mod vec;
 mod winding;
 
 pub use bounds::Bounds;

@@ -1,20 +1,19 @@
 //! An order of points in which neighbours in the list are mostly neighbours in space.
 
 use super::Bounds;
-use super::vec3::Vec3;
 use crate::Result;
 use crate::error::try_with_capacity;
 
-/// Bits of a coordinate, three of which fit 64.
+/// Bits of a coordinate, three of which fit 64; in the plane as many.
 const BITS: u32 = 21;
 
 /// Indices of `points` along the Z curve of `bounds` (Morton, 1966); points outside are taken to its rim.
-pub(super) fn along_z_curve(points: &[Vec3], bounds: &Bounds) -> Result<Vec<usize>> {
+pub(super) fn along_z_curve<const D: usize>(points: &[[f64; D]], bounds: &Bounds<D>) -> Result<Vec<usize>> {
     let extents = bounds.extents();
-    let code = |p: &Vec3| {
+    let code = |p: &[f64; D]| {
         // A product of infinity and zero, on a flat box, saturates to cell 0.
         let cell = |a: usize| ((p[a] - bounds.min[a]) / extents[a] * f64::from(1 << BITS)) as u64;
-        (0..3).map(|a| spread(cell(a).min((1 << BITS) - 1)) << a).sum::<u64>()
+        (0..D).map(|a| spread(cell(a).min((1 << BITS) - 1)) << a).sum::<u64>()
     };
     let mut keys: Vec<(u64, usize)> = try_with_capacity(points.len(), "the order of the points")?;
     keys.extend(points.iter().enumerate().map(|(i, p)| (code(p), i)));
@@ -35,6 +34,7 @@ fn spread(x: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::vec::Vec3;
     use super::*;
 
     #[test]

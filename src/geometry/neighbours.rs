@@ -1,8 +1,8 @@
 //! The nearest of many points.
 
-use super::Mesh;
+use super::Bounds;
 use super::bvh::{Bvh, STACK_SIZE};
-use super::vec3::{Vec3, dot, sub};
+use super::vec::{dot, sub};
 use crate::Result;
 use crate::error::try_with_capacity;
 
@@ -17,20 +17,16 @@ pub struct Neighbour {
 
 /// A tree over points, for nearest neighbours.
 #[derive(Debug)]
-pub struct Neighbours {
-    tree: Bvh,
+pub struct Neighbours<const D: usize = 3> {
+    tree: Bvh<D>,
     /// In the tree's order.
-    points: Vec<Vec3>,
+    points: Vec<[f64; D]>,
 }
 
-impl Neighbours {
-    /// The tree of `points` [n x 3], n > 0, all of a size whose squares are finite.
-    pub fn new(points: &[Vec3]) -> Result<Self> {
-        let mut vertices = try_with_capacity(points.len(), "the tree of points")?;
-        vertices.extend_from_slice(points);
-        let mut corners = try_with_capacity(points.len(), "the tree of points")?;
-        corners.extend((0..points.len() as u32).map(|i| [i; 3]));
-        let tree = Bvh::new(&Mesh::new(vertices, corners)?)?;
+impl<const D: usize> Neighbours<D> {
+    /// The tree of `points` [n x D], n > 0, all of a size whose squares are finite.
+    pub fn new(points: &[[f64; D]]) -> Result<Self> {
+        let tree = Bvh::new(points.len(), |i| Bounds { min: points[i], max: points[i] })?;
         let mut in_order = try_with_capacity(points.len(), "the tree of points")?;
         in_order.extend(tree.order.iter().map(|&i| points[i as usize]));
         Ok(Neighbours { tree, points: in_order })
@@ -38,7 +34,7 @@ impl Neighbours {
 
     /// Fills `nearest` with the neighbours of `p` among the points that `accept` takes, nearest first, ties by index; gives how many there
     /// are, fewer than asked for where no more are accepted.
-    pub fn nearest(&self, p: Vec3, accept: impl Fn(usize) -> bool, nearest: &mut [Neighbour]) -> usize {
+    pub fn nearest(&self, p: [f64; D], accept: impl Fn(usize) -> bool, nearest: &mut [Neighbour]) -> usize {
         let mut found = 0;
         let mut stack = [(0, 0.0); STACK_SIZE];
         let mut depth = 1;
@@ -84,6 +80,7 @@ fn insert(candidate: Neighbour, nearest: &mut [Neighbour], found: usize) -> usiz
 #[cfg(test)]
 mod tests {
     use super::super::random::SplitMix64;
+    use super::super::vec::Vec3;
     use super::*;
 
     #[test]

@@ -7,7 +7,7 @@
 
 use super::Mesh;
 use super::edges::{Edges, Sets};
-use super::vec3::{Vec3, add, cross, dot, norm, normalized, scale, sub};
+use super::vec::{Vec3, add, cross, dot, norm, normalized, scale, sub};
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 

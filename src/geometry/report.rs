@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::edges::{Edges, Sets, Side, repeats_vertex};
-use super::vec3::{Vec3, cross, dot, norm, scale, sub};
+use super::vec::{Vec3, cross, dot, norm, scale, sub};
 use super::{Bounds, Mesh};
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};

@@ -10,7 +10,7 @@ use super::eliminate::{Candidate, eliminate};
 use super::normals::corner_normals;
 use super::random::SplitMix64;
 use super::unit::Unit;
-use super::vec3::{Vec3, add, dot, norm, normalized, scale};
+use super::vec::{Vec3, add, dot, norm, normalized, scale};
 use crate::error::try_with_capacity;
 use crate::{Error, Result};
 
@@ -39,7 +39,7 @@ impl Mesh {
         let mut normals = try_with_capacity(n_points, "the sample normals")?;
         let mut origins = try_with_capacity(n_points, "the sample origins")?;
         for candidate in kept {
-            let Origin { triangle, barycentric } = candidate.origin;
+            let Origin { facet: triangle, barycentric } = candidate.origin;
             points.push(scale(unit.grow, candidate.point));
             normals.push(interpolate_normal(&corner_normals[triangle as usize], barycentric, candidate.normal));
             origins.push(candidate.origin);
@@ -93,7 +93,7 @@ fn draw_candidates(mesh: &Mesh, areas: &CumulativeArea, m: usize, seed: u64) -> 
         candidates.push(Candidate {
             point: combine(&mesh.corners(t), barycentric),
             normal: normalized(mesh.area_normal(t)).unwrap_or_default(),
-            origin: Origin { triangle: t as u32, barycentric },
+            origin: Origin { facet: t as u32, barycentric },
         });
     }
     Ok(candidates)
@@ -120,7 +120,7 @@ fn combine(v: &[Vec3; 3], b: [f64; 3]) -> Vec3 {
 mod tests {
     use super::super::eliminate::largest_radius;
     use super::super::shapes::{box_mesh, sphere, torus};
-    use super::super::vec3::sub;
+    use super::super::vec::sub;
     use super::*;
 
     fn area(mesh: &Mesh) -> f64 {
@@ -143,11 +143,11 @@ mod tests {
             let cloud = ring.sample(n, 5).unwrap();
             assert_eq!(cloud.len(), n);
             for ((p, normal), o) in cloud.points().iter().zip(cloud.normals()).zip(cloud.origins().unwrap()) {
-                let corners = ring.corners(o.triangle as usize);
+                let corners = ring.corners(o.facet as usize);
                 assert!(o.barycentric.iter().all(|b| (0.0..=1.0).contains(b)));
                 assert!((o.barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-15);
                 assert!(norm(sub(*p, combine(&corners, o.barycentric))) < 1e-15);
-                assert!(dot(*normal, ring.area_normal(o.triangle as usize)) > 0.0);
+                assert!(dot(*normal, ring.area_normal(o.facet as usize)) > 0.0);
             }
         }
     }
@@ -174,7 +174,7 @@ mod tests {
         let cloud = slab.sample(n, 3).unwrap();
         let mut counts = [0_usize; 12];
         for o in cloud.origins().unwrap() {
-            counts[o.triangle as usize] += 1;
+            counts[o.facet as usize] += 1;
         }
         for (t, count) in counts.iter().enumerate() {
             let share = n as f64 * 0.5 * norm(slab.area_normal(t)) / area(&slab);
@@ -183,7 +183,7 @@ mod tests {
         }
         // A cube's samples have its faces' normals to the bit, up to the rim.
         for (normal, o) in cloud.normals().iter().zip(cloud.origins().unwrap()) {
-            assert_eq!(Some(*normal), normalized(slab.area_normal(o.triangle as usize)));
+            assert_eq!(Some(*normal), normalized(slab.area_normal(o.facet as usize)));
         }
     }
 

@@ -1,7 +1,7 @@
 //! Shapes with closed forms, as meshes: closed, without degenerate triangles, normals outward.
 
 use super::Mesh;
-use super::vec3::{Vec3, add, normalized, scale};
+use super::vec::{Vec3, add, normalized, scale};
 use crate::{Error, Result};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -119,7 +119,7 @@ fn quarter(directions: &mut Vec<Vec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::vec3::dot;
+    use super::super::vec::dot;
     use super::*;
     use std::f64::consts::PI;
 

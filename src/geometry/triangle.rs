@@ -1,19 +1,12 @@
 //! One triangle and one point: closest point and solid angle.
 
-use super::vec3::{Vec3, add, cross, dot, norm, scale, sub};
+use super::facet::Closest;
+use super::vec::{Vec3, add, cross, dot, norm, scale, sub};
 
 /// A triangle is a needle when the squared sine of its angle at the first corner is below this: errors grow by its inverse.
 const NEEDLE_SINE_SQUARED: f64 = 1e-3;
 
-/// The closest point of a triangle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Closest {
-    pub distance_squared: f64,
-    /// Not negative, of sum 1.
-    pub barycentric: [f64; 3],
-}
-
-impl Closest {
+impl Closest<3> {
     /// The point with these coordinates along the edges from the first corner, `ap` leading from there to the query.
     #[inline]
     fn at(v: f64, w: f64, [ab, ac, ap]: [Vec3; 3]) -> Self {
@@ -26,7 +19,7 @@ impl Closest {
 /// collision detection" (2005), section 5.1.5, its names. We depart in that everything is told from p - a: his vc = d1 d4 - d3 d2
 /// is m00 d2 - m01 d1, which is cheaper, and linear in p, so that it keeps its figures when p is far.
 #[inline]
-pub(super) fn closest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Closest {
+pub(super) fn closest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Closest<3> {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let edges = [ab, ac, ap];
     let (m00, m01, m11) = (dot(ab, ab), dot(ab, ac), dot(ac, ac));
@@ -65,7 +58,7 @@ pub(super) fn closest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Closest {
 /// The same for a triangle of little or no height: the best of its edges and of the point below p. Each candidate is a point of
 /// the triangle, so an ill-determined one does no harm.
 #[cold]
-fn closest_on_needle(edges: [Vec3; 3]) -> Closest {
+fn closest_on_needle(edges: [Vec3; 3]) -> Closest<3> {
     let [ab, ac, ap] = edges;
     let n = cross(ab, ac);
     let (bc, bp) = (sub(ac, ab), sub(ap, ab));

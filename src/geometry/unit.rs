@@ -4,7 +4,7 @@
 //! depend, to the bit, on a power of two in them.
 
 use super::Mesh;
-use super::vec3::{Vec3, scale};
+use super::vec::scale;
 use crate::Result;
 use crate::error::try_with_capacity;
 
@@ -22,7 +22,7 @@ pub(crate) struct Unit {
 
 impl Unit {
     /// The unit in which the largest coordinate of `mesh` lies in [1, 2), where such a unit exists.
-    pub fn of(mesh: &Mesh) -> Self {
+    pub fn of<const D: usize>(mesh: &Mesh<D>) -> Self {
         let bounds = mesh.bounds();
         let largest = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| m.max(x.abs()));
         let exponent = (((largest.to_bits() >> 52) & 0x7ff) as i32 - 1023).clamp(-MAX_EXPONENT, MAX_EXPONENT);
@@ -31,13 +31,13 @@ impl Unit {
     }
 
     /// A copy of `mesh` of size 1.
-    pub fn shrunk(&self, mesh: &Mesh) -> Result<Mesh> {
-        let mut vertices: Vec<Vec3> = try_with_capacity(mesh.vertices().len(), "the scaled vertices")?;
-        // A vertex that no triangle uses may overflow, and must not be refused for it.
+    pub fn shrunk<const D: usize>(&self, mesh: &Mesh<D>) -> Result<Mesh<D>> {
+        let mut vertices: Vec<[f64; D]> = try_with_capacity(mesh.vertices().len(), "the scaled vertices")?;
+        // A vertex that no facet uses may overflow, and must not be refused for it.
         vertices.extend(mesh.vertices().iter().map(|&v| scale(self.shrink, v).map(|x| x.clamp(f64::MIN, f64::MAX))));
-        let mut triangles = try_with_capacity(mesh.triangles().len(), "the scaled triangles")?;
-        triangles.extend_from_slice(mesh.triangles());
-        Mesh::new(vertices, triangles)
+        let mut facets = try_with_capacity(mesh.facets().len(), "the scaled facets")?;
+        facets.extend_from_slice(mesh.facets());
+        Mesh::new(vertices, facets)
     }
 }
 

@@ -1,23 +1,23 @@
-//! Generalised winding number of a triangle mesh: Jacobson, Kavan and Sorkine-Hornung, "Robust inside-outside segmentation using
+//! Generalised winding number of a mesh: Jacobson, Kavan and Sorkine-Hornung, "Robust inside-outside segmentation using
 //! generalized winding numbers" (2013); fast by Barill, Dickson, Schmidt, Levin and Jacobson, "Fast winding numbers for soups and
 //! clouds" (2018).
 //!
-//! Notation: w winding number, q query, r = c - q with R = |r|, c a node's centre, A n area and unit normal of its triangles.
+//! Notation: w winding number, q query, r = c - q with R = |r|, c a node's centre, A n area and unit normal of its facets, in the plane
+//! lengths and segments.
 //!
 //! | | there | here |
 //! |---|---|---|
-//! | 2013 | w = sum of solid angles / 4 pi | [`Winding::exact`] |
+//! | 2013 | w = sum of solid angles / that of all directions, 4 pi or 2 pi | [`Winding::exact`] |
 //! | 2018 | Taylor expansion to the first order | [`Moments::far_field`] |
 //! | 2018 | its use from beta radii on | [`Winding::approximate`] |
 //!
 //! A side is decided by w < 1/2. Where the expansion is not clear of 1/2, it is refined, and at last replaced by the exact sum.
 
 use super::bvh::{Bvh, STACK_SIZE};
-use super::triangle::solid_angle;
-use super::vec3::{Vec3, add, cross, dot, norm, scale, sub};
+use super::facet::{all_directions, normal, solid_angle};
+use super::vec::{add, dot, norm, scale, sub};
 use crate::Result;
 use crate::error::try_vec;
-use std::f64::consts::PI;
 
 /// A pass of the decision: far fields are used from `beta` radii on, and trusted when w is `margin` away from 1/2.
 struct Pass {
@@ -36,50 +36,50 @@ pub(super) enum Side {
     Inside,
 }
 
-/// The triangles below a node, seen from afar.
+/// The facets below a node, seen from afar.
 #[derive(Debug, Clone, Copy)]
-struct Moments {
-    /// c: the mean of the triangles' centroids by area.
-    center: Vec3,
+struct Moments<const D: usize> {
+    /// c: the mean of the facets' centroids by area.
+    center: [f64; D],
     /// Of a sphere around c that holds the node's box.
     radius_squared: f64,
     /// Sum of A n.
-    dipole: Vec3,
-    /// Symmetric part of the sum of A n (x - c)^T, x a triangle's centroid: xx yy zz, xy yz zx.
-    quadrupole: [f64; 6],
+    dipole: [f64; D],
+    /// Symmetric part of the sum of A n (x - c)^T, x a facet's centroid: its diagonal, and xy yz zx; in the plane xy alone counts.
+    quadrupole: [[f64; D]; 2],
     /// Sum of A.
     area: f64,
 }
 
-/// Winding numbers of the triangles of a tree.
+/// Winding numbers of the facets of a tree.
 #[derive(Debug)]
-pub(super) struct Winding {
+pub(super) struct Winding<const D: usize> {
     /// One a node of the tree.
-    moments: Vec<Moments>,
+    moments: Vec<Moments<D>>,
 }
 
-impl Winding {
+impl<const D: usize> Winding<D> {
     /// `corners` are in the tree's order.
-    pub fn new(tree: &Bvh, corners: &[[Vec3; 3]]) -> Result<Self> {
+    pub fn new(tree: &Bvh<D>, corners: &[[[f64; D]; D]]) -> Result<Self> {
         let nothing =
-            Moments { center: [0.0; 3], radius_squared: 0.0, dipole: [0.0; 3], quadrupole: [0.0; 6], area: 0.0 };
+            Moments { center: [0.0; D], radius_squared: 0.0, dipole: [0.0; D], quadrupole: [[0.0; D]; 2], area: 0.0 };
         let mut moments = try_vec(tree.nodes.len(), nothing, "the far fields")?;
         // Children come after their parents.
         for (i, node) in tree.nodes.iter().enumerate().rev() {
             let middle = node.bounds.center();
             moments[i] = match node.leaf() {
-                Some(range) => Moments::sum(corners[range].iter().map(Moments::of_triangle), middle),
+                Some(range) => Moments::sum(corners[range].iter().map(Moments::of_facet), middle),
                 None => Moments::sum(node.children().iter().map(|&child| moments[child]), middle),
             };
             let c = moments[i].center;
             let farthest = |a: usize| (node.bounds.max[a] - c[a]).max(c[a] - node.bounds.min[a]);
-            moments[i].radius_squared = (0..3).map(|a| farthest(a) * farthest(a)).sum();
+            moments[i].radius_squared = (0..D).map(|a| farthest(a) * farthest(a)).sum();
         }
         Ok(Winding { moments })
     }
 
     /// The side of `q`.
-    pub fn side(&self, tree: &Bvh, corners: &[[Vec3; 3]], q: Vec3) -> Side {
+    pub fn side(&self, tree: &Bvh<D>, corners: &[[[f64; D]; D]], q: [f64; D]) -> Side {
         let passes = PASSES.iter().map(|pass| (self.approximate(tree, corners, q, pass.beta), pass.margin));
         let clear = passes.into_iter().find(|(w, margin)| (w - 0.5).abs() > *margin);
         let w = clear.map_or_else(|| Winding::exact(corners, q), |(w, _)| w);
@@ -87,17 +87,17 @@ impl Winding {
     }
 
     /// w by the first pass.
-    pub fn rough(&self, tree: &Bvh, corners: &[[Vec3; 3]], q: Vec3) -> f64 {
+    pub fn rough(&self, tree: &Bvh<D>, corners: &[[[f64; D]; D]], q: [f64; D]) -> f64 {
         self.approximate(tree, corners, q, PASSES[0].beta)
     }
 
-    /// w by the sum over all triangles.
-    pub fn exact(corners: &[[Vec3; 3]], q: Vec3) -> f64 {
-        corners.iter().map(|t| solid_angle(q, t)).sum::<f64>() / (4.0 * PI)
+    /// w by the sum over all facets.
+    pub fn exact(corners: &[[[f64; D]; D]], q: [f64; D]) -> f64 {
+        corners.iter().map(|t| solid_angle(q, t)).sum::<f64>() / all_directions::<D>()
     }
 
     /// w with far fields in place of nodes farther away than `beta` times their radius.
-    pub fn approximate(&self, tree: &Bvh, corners: &[[Vec3; 3]], q: Vec3, beta: f64) -> f64 {
+    pub fn approximate(&self, tree: &Bvh<D>, corners: &[[[f64; D]; D]], q: [f64; D], beta: f64) -> f64 {
         let mut stack = [0; STACK_SIZE];
         let mut depth = 1;
         let mut sum = 0.0;
@@ -116,63 +116,72 @@ impl Winding {
                 depth += 2;
             }
         }
-        sum / (4.0 * PI)
+        sum / all_directions::<D>()
     }
 }
 
-impl Moments {
-    fn of_triangle(&[a, b, c]: &[Vec3; 3]) -> Self {
-        let dipole = scale(0.5, cross(sub(b, a), sub(c, a)));
-        let center = scale(1.0 / 3.0, add(add(a, b), c));
-        Moments { center, radius_squared: 0.0, dipole, quadrupole: [0.0; 6], area: norm(dipole) }
+impl<const D: usize> Moments<D> {
+    fn of_facet(corners: &[[f64; D]; D]) -> Self {
+        let dipole = scale(1.0 / (D - 1) as f64, normal(corners));
+        let center = scale(1.0 / D as f64, corners[1..].iter().fold(corners[0], |sum, c| add(sum, *c)));
+        Moments { center, radius_squared: 0.0, dipole, quadrupole: [[0.0; D]; 2], area: norm(dipole) }
     }
 
     /// The moments of all `parts` about their common centre; `middle` when they have no area.
-    fn sum(parts: impl Iterator<Item = Moments> + Clone, middle: Vec3) -> Self {
+    fn sum(parts: impl Iterator<Item = Self> + Clone, middle: [f64; D]) -> Self {
         let area: f64 = parts.clone().map(|m| m.area).sum();
-        let weighted = parts.clone().fold([0.0; 3], |c, m| add(c, scale(m.area, m.center)));
+        let weighted = parts.clone().fold([0.0; D], |c, m| add(c, scale(m.area, m.center)));
         let center = if area > 0.0 { scale(1.0 / area, weighted) } else { middle };
-        let zero = Moments { center, radius_squared: 0.0, dipole: [0.0; 3], quadrupole: [0.0; 6], area };
+        let zero = Moments { center, radius_squared: 0.0, dipole: [0.0; D], quadrupole: [[0.0; D]; 2], area };
         parts.fold(zero, |sum, m| {
             let (n, d) = (m.dipole, sub(m.center, center));
-            let shift = |a: usize, b: usize| 0.5 * (n[a] * d[b] + n[b] * d[a]);
-            let shifts = [shift(0, 0), shift(1, 1), shift(2, 2), shift(0, 1), shift(1, 2), shift(2, 0)];
+            // Row 0 the diagonal, row 1 the entry beside it.
+            let shift = |beside: usize, a: usize| {
+                let b = (a + beside) % D;
+                0.5 * (n[a] * d[b] + n[b] * d[a])
+            };
             Moments {
                 dipole: add(sum.dipole, n),
-                quadrupole: std::array::from_fn(|k| sum.quadrupole[k] + m.quadrupole[k] + shifts[k]),
+                quadrupole: std::array::from_fn(|beside| {
+                    std::array::from_fn(|a| sum.quadrupole[beside][a] + m.quadrupole[beside][a] + shift(beside, a))
+                }),
                 ..sum
             }
         })
     }
 
-    /// 4 pi w: (N . r) / R^3 + tr(M) / R^3 - 3 r^T M r / R^5, N the dipole and M the quadrupole. By the direction r / R, so that
-    /// no power of R overflows.
-    fn far_field(&self, r: Vec3, r_squared: f64) -> f64 {
+    /// The solid angle: (N . r) / R^D + tr(M) / R^D - D r^T M r / R^(D + 2), N the dipole and M the quadrupole. By the direction u =
+    /// r / R, so that no power of R overflows.
+    #[inline]
+    fn far_field(&self, r: [f64; D], r_squared: f64) -> f64 {
         let inverse = 1.0 / r_squared.sqrt();
-        let [x, y, z] = scale(inverse, r);
-        let [xx, yy, zz, xy, yz, zx] = self.quadrupole;
-        let squares = xx * x * x + yy * y * y + zz * z * z;
-        let products = 2.0 * (xy * x * y + yz * y * z + zx * z * x);
-        let second = xx + yy + zz - 3.0 * (squares + products);
-        (dot(self.dipole, [x, y, z]) + second * inverse) * inverse * inverse
+        let u = scale(inverse, r);
+        let [diagonal, beside] = self.quadrupole;
+        let trace: f64 = diagonal.iter().sum();
+        let squares: f64 = (0..D).map(|a| diagonal[a] * u[a] * u[a]).sum();
+        let pairs = D * (D - 1) / 2;
+        let products: f64 = (0..pairs).map(|a| beside[a] * u[a] * u[(a + 1) % D]).sum();
+        let second = trace - D as f64 * (squares + 2.0 * products);
+        (dot(self.dipole, u) + second * inverse) * inverse.powi(D as i32 - 1)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Mesh;
     use super::super::random::SplitMix64;
     use super::super::shapes::{sphere, torus};
+    use super::super::vec::Vec3;
+    use super::super::{Bounds, Mesh};
     use super::*;
 
     struct Prepared {
-        tree: Bvh,
+        tree: Bvh<3>,
         corners: Vec<[Vec3; 3]>,
-        winding: Winding,
+        winding: Winding<3>,
     }
 
     fn prepare(mesh: &Mesh) -> Prepared {
-        let tree = Bvh::new(mesh).unwrap();
+        let tree = Bvh::new(mesh.triangles().len(), |t| Bounds::of(&mesh.corners(t))).unwrap();
         let corners: Vec<_> = tree.order.iter().map(|&t| mesh.corners(t as usize)).collect();
         let winding = Winding::new(&tree, &corners).unwrap();
         Prepared { tree, corners, winding }

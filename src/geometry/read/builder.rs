@@ -4,7 +4,7 @@ use super::fault::{Fault, Read};
 use crate::Error;
 use crate::error::{Place, try_with_capacity};
 use crate::geometry::Mesh;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 
 /// Vertices are numbered by `u32`.
 const MOST_VERTICES: usize = u32::MAX as usize;

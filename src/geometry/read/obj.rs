@@ -15,7 +15,7 @@ use super::fault::{Fault, Read};
 use super::text::{Lines, number, quote, without_comment, words};
 use crate::error::{Place, try_with_capacity};
 use crate::geometry::Mesh;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 
 /// The mesh of an OBJ file.
 pub(super) fn read(text: &[u8]) -> Read<Mesh> {

@@ -9,7 +9,7 @@ use super::text::{Lines, number, quote, without_comment, words};
 use crate::Error;
 use crate::error::Place;
 use crate::geometry::Mesh;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 
 /// Whether `bytes` begin as OFF does, after comments.
 pub(super) fn is_off(bytes: &[u8]) -> bool {

@@ -6,7 +6,7 @@ use super::text::{Lines, Words, quote};
 use super::weld::Welder;
 use crate::error::{Place, try_with_capacity};
 use crate::geometry::Mesh;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 
 /// Bytes before the first triangle: a free text of 80 and the count.
 const HEADER: usize = 84;

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::builder::{check_vertex_count, push};
 use super::fault::Read;
 use crate::Error;
-use crate::geometry::vec3::Vec3;
+use crate::geometry::vec::Vec3;
 
 /// Numbers points in the order in which they first come; equal points get one number.
 #[derive(Default)]
