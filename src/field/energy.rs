@@ -11,7 +11,6 @@ use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};
 use super::smoothness::Smoothness;
 use crate::error::try_vec;
-use crate::geometry::vec::Vec3;
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::{Error, Result};
@@ -26,19 +25,19 @@ pub struct EnergyWeights {
 }
 
 /// The form on one grid.
-pub struct Energy {
+pub struct Energy<const D: usize = 3> {
     /// In units of D.
-    grid: Grid,
+    grid: Grid<D>,
     weights: EnergyWeights,
-    data: DataTerm,
+    data: DataTerm<D>,
     smoothness: Smoothness,
     /// `None` where the energy is the paper's.
-    distance: Option<DistanceTerm>,
+    distance: Option<DistanceTerm<D>>,
 }
 
-impl Energy {
+impl<const D: usize> Energy<D> {
     /// The form on `grid`, in units of D, for `data` in its cells.
-    pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Result<Self> {
+    pub fn new(data: Data<D>, grid: Grid<D>, weights: EnergyWeights) -> Result<Self> {
         let data = DataTerm::new(data, grid, weights.normal);
         let smoothness = Smoothness::new(&grid, weights.smooth)?;
         Ok(Energy { grid, weights, data, smoothness, distance: None })
@@ -52,18 +51,13 @@ impl Energy {
     }
 
     /// The grid, in units of D.
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &Grid<D> {
         &self.grid
     }
 
     /// Takes the memory that applying the form works in.
     pub fn reserve(&mut self) -> Result<()> {
         self.smoothness.reserve()
-    }
-
-    /// Control points along each axis.
-    pub fn shape(&self) -> [usize; 3] {
-        self.grid.shape()
     }
 
     /// Points of the data.
@@ -81,8 +75,14 @@ impl Energy {
         self.data.reweight(factors);
     }
 
-    /// b, for gradients `sign` n at the points, those of `normals` [N x 3] in `order`.
-    pub fn right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64) -> Result<Vec<f64>> {
+    /// b, for gradients `sign` n at the points, those of `normals` [N x D] in `order`.
+    pub fn right_hand_side(
+        &self,
+        workers: &Workers,
+        normals: &[[f64; D]],
+        order: &[u32],
+        sign: f64,
+    ) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
         self.data.add_right_hand_side(workers, normals, order, sign, &mut b);
         // What one point adds where no other is near; normals that cancel out leave rounding of it.

@@ -15,13 +15,17 @@ use crate::spline::{Axis, Grid};
 use std::time::Instant;
 
 /// Control points chosen for `n_points` points when none are asked for: with twice as many, parts about as thin as a cell keep their
-/// sides on all shapes of docs/weights.md.
-fn chosen_control_points(n_points: usize) -> usize {
-    (2 * n_points).clamp(4096, 262_144)
+/// sides on all shapes of docs/weights.md. In the plane, where a curve of N points crosses a number of cells in proportion to N, a cell
+/// for about three points' spacing likewise.
+fn chosen_control_points<const D: usize>(n_points: usize) -> usize {
+    match D {
+        2 => (n_points.saturating_mul(n_points) / 100).clamp(32 * 32, 256 * 256),
+        _ => (2 * n_points).clamp(4096, 262_144),
+    }
 }
 
 /// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included.
-pub fn memory(n_points: u128, shape: [u128; 3]) -> u128 {
+pub fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
     // A point: its coordinates, normal, origin, place and masses; its copy in units of D; its surfel with the trees that measure
     // distances to it.
     let point = 24 + 24 + 32 + 16 + 16 + 48 + 450;
@@ -32,18 +36,19 @@ pub fn memory(n_points: u128, shape: [u128; 3]) -> u128 {
     n_points * point + shape.iter().product::<u128>() * unknown + shape.iter().sum::<u128>() * band
 }
 
-impl Field {
+impl<const D: usize> Field<D> {
     /// Fits a field to `cloud`: minimises the energy (10), with the departures of this room, over the control points.
-    pub fn fit(cloud: &Cloud, options: &FitOptions, progress: &mut Progress) -> Result<Field> {
-        options.validate()?;
+    pub fn fit(cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
+        options.validate::<D>()?;
         let bounds = cloud.bounds();
-        let target = chosen_control_points(cloud.len());
-        let grid = domain::grid(&bounds, options.margin, options.control_points, target)?;
+        let target = chosen_control_points::<D>(cloud.len());
+        let asked_for = std::array::from_fn(|a| options.control_points[a]);
+        let grid = domain::grid(&bounds, options.margin, asked_for, target)?;
         check_size(cloud.len(), &grid, options.memory_limit)?;
         let d = bounds.diagonal();
         let workers = Workers::new(options.n_threads)?;
         let mut report = FitReport {
-            control_points: grid.shape().map(|n| n as u32),
+            control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
             n_points: cloud.len() as u64,
             n_unknowns: grid.n_control() as u64,
             ..FitReport::default()
@@ -67,9 +72,9 @@ impl Field {
     }
 
     /// Fills the report with the errors at the points of `cloud`.
-    fn measure(&mut self, cloud: &Cloud) -> Result<()> {
+    fn measure(&mut self, cloud: &Cloud<D>) -> Result<()> {
         const BLOCK: usize = 256;
-        let (mut values, mut gradients) = ([0.0; BLOCK], [[0.0; 3]; BLOCK]);
+        let (mut values, mut gradients) = ([0.0; BLOCK], [[0.0; D]; BLOCK]);
         let (mut squares, mut max, mut lengths) = (0.0, 0.0f64, 0.0);
         for points in cloud.points().chunks(BLOCK) {
             let n = points.len();
@@ -90,14 +95,14 @@ impl Field {
 }
 
 /// A and b of the minimum (11), in units of `d`.
-fn assemble(
-    cloud: &Cloud,
-    grid: &Grid,
+fn assemble<const D: usize>(
+    cloud: &Cloud<D>,
+    grid: &Grid<D>,
     d: f64,
     options: &FitOptions,
     workers: &Workers,
     progress: &mut Progress,
-) -> Result<(System, Vec<f64>)> {
+) -> Result<(System<D>, Vec<f64>)> {
     let (data, order) = Data::new(cloud, grid)?;
     let mut energy = Energy::new(data, in_units_of(grid, d), options.weights())?;
     let sign = options.feasible.sign();
@@ -112,8 +117,8 @@ fn assemble(
 }
 
 /// Solves A x = b, and again with the points that the surface misses weighted more, each time from where the last solve ended.
-fn solve(
-    mut system: System,
+fn solve<const D: usize>(
+    mut system: System<D>,
     b: &[f64],
     options: &FitOptions,
     workers: &Workers,
@@ -154,7 +159,7 @@ fn counting_earlier_rounds(error: Error, earlier: u32) -> Error {
 }
 
 /// The system with the points that the surface of `x` misses weighted more.
-fn reweighted(system: System, x: &[f64], workers: &Workers) -> Result<System> {
+fn reweighted<const D: usize>(system: System<D>, x: &[f64], workers: &Workers) -> Result<System<D>> {
     let mut energy = system.into_energy();
     let mut factors = try_vec(energy.n_points(), 0.0, "the weights of the points")?;
     energy.distances(workers, x, reweight::FLATTEST, &mut factors);
@@ -164,7 +169,7 @@ fn reweighted(system: System, x: &[f64], workers: &Workers) -> Result<System> {
 }
 
 /// The cloud in units of D, with the lower corner of the box as origin.
-fn in_units_of_the_box(cloud: &Cloud, grid: &Grid, d: f64) -> Result<Cloud> {
+fn in_units_of_the_box<const D: usize>(cloud: &Cloud<D>, grid: &Grid<D>, d: f64) -> Result<Cloud<D>> {
     let mut points = try_with_capacity(cloud.len(), "the points in units of D")?;
     points.extend(cloud.points().iter().map(|p| std::array::from_fn(|a| (p[a] - grid.axes[a].lower) / d)));
     let mut normals = try_with_capacity(cloud.len(), "the normals")?;
@@ -173,20 +178,20 @@ fn in_units_of_the_box(cloud: &Cloud, grid: &Grid, d: f64) -> Result<Cloud> {
 }
 
 /// The grid with its cells in units of D: what the energy sees.
-fn in_units_of(grid: &Grid, d: f64) -> Grid {
+fn in_units_of<const D: usize>(grid: &Grid<D>, d: f64) -> Grid<D> {
     Grid { axes: grid.axes.map(|a| Axis { lower: 0.0, cell: a.cell / d, n_cells: a.n_cells }) }
 }
 
 /// Refuses a fit that would take more than `limit` bytes.
-fn check_size(n_points: usize, grid: &Grid, limit: u64) -> Result<()> {
+fn check_size<const D: usize>(n_points: usize, grid: &Grid<D>, limit: u64) -> Result<()> {
     let shape = grid.axes.map(|a| a.n_control() as u128);
     let bytes = memory(n_points as u128, shape);
     if bytes <= u128::from(limit) {
         return Ok(());
     }
-    let [x, y, z] = shape;
+    let counts = shape.map(|n| n.to_string()).join(" x ");
     Err(Error::OutOfMemory {
-        what: format!("a fit of {x} x {y} x {z} control points to {n_points} points"),
+        what: format!("a fit of {counts} control points to {n_points} points"),
         bytes,
         limit: Some(u128::from(limit)),
     })

@@ -46,17 +46,18 @@ mod system;
 use crate::spline::Grid;
 pub use beyond::Beyond;
 pub use eval::Outputs;
+pub use file::load;
 pub use options::{Feasible, FitOptions};
 pub use report::FitReport;
 
 /// A fitted level-set function.
 #[derive(Debug, Clone)]
-pub struct Field {
+pub struct Field<const D: usize = 3> {
     /// In the caller's units.
-    grid: Grid,
+    grid: Grid<D>,
     /// 1 / cell edge of each axis.
-    per_cell: [f64; 3],
-    /// Row-major, z contiguous, in the caller's unit of length.
+    per_cell: [f64; D],
+    /// Row-major, the last axis contiguous, in the caller's unit of length.
     coefficients: Vec<f64>,
     feasible: Feasible,
     beyond: Beyond,
@@ -65,8 +66,8 @@ pub struct Field {
     report: FitReport,
 }
 
-impl Field {
-    fn new(grid: Grid, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
+impl<const D: usize> Field<D> {
+    fn new(grid: Grid<D>, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
         let per_cell = grid.axes.map(|a| 1.0 / a.cell);
         let beyond = Beyond::default();
         let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
@@ -75,11 +76,11 @@ impl Field {
     }
 
     /// The box, its cells and control points.
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &Grid<D> {
         &self.grid
     }
 
-    /// Control points, row-major, z contiguous.
+    /// Control points, row-major, the last axis contiguous.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
@@ -106,9 +107,11 @@ impl Field {
 
     /// Bytes that the field holds.
     pub fn bytes(&self) -> usize {
-        size_of::<Field>() + self.coefficients.capacity() * size_of::<f64>()
+        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>()
     }
 }
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_plane;

@@ -28,7 +28,7 @@ const MOST_REWEIGHTINGS: u32 = 100;
 /// Options of [`Field::fit`](super::Field::fit). All weights are dimensionless, with lengths in units of the cloud's diagonal D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitOptions {
-    /// Control points along x, y, z, at least 4 each; 0 lets the fit choose: see [`domain`](super::domain).
+    /// Control points along x, y, z, the last ignored in the plane, at least 4 each; 0 lets the fit choose: see [`domain`](super::domain).
     pub control_points: [u32; 3],
     /// How much longer than the cloud the box is along each axis: 0.15 makes it 1.15 times the extents, as in paper 000, section 3.5.
     pub margin: f64,
@@ -80,9 +80,9 @@ impl FitOptions {
     }
 
     /// Checks every range.
-    pub fn validate(&self) -> Result<()> {
+    pub fn validate<const D: usize>(&self) -> Result<()> {
         let wrong = |text: String| Err(Error::InvalidArgument(text));
-        for (axis, &n) in ["x", "y", "z"].iter().zip(&self.control_points) {
+        for (axis, &n) in ["x", "y", "z"].iter().zip(&self.control_points).take(D) {
             if n != 0 && n < 4 {
                 return wrong(format!(
                     "control_points along {axis} is {n}; a cubic needs at least 4, and 0 lets the fit choose"

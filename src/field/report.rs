@@ -3,7 +3,7 @@
 /// Figures of a fit; lengths are fractions of D.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FitReport {
-    /// Control points along x, y, z.
+    /// Control points along x, y, z; 0 along z in the plane.
     pub control_points: [u32; 3],
     /// Points of the cloud.
     pub n_points: u64,

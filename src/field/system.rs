@@ -10,15 +10,15 @@ use crate::linalg::vector::update;
 use crate::par::Workers;
 
 /// A x = b, without b.
-pub struct System {
-    energy: Energy,
+pub struct System<const D: usize = 3> {
+    energy: Energy<D>,
     /// 1 / diagonal of A [n]
     inverse_diagonal: Vec<f64>,
 }
 
-impl System {
+impl<const D: usize> System<D> {
     /// The system of `energy`.
-    pub fn new(mut energy: Energy, workers: &Workers) -> Result<Self> {
+    pub fn new(mut energy: Energy<D>, workers: &Workers) -> Result<Self> {
         energy.reserve()?;
         let mut inverse_diagonal = energy.diagonal(workers)?;
         inverse_diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
@@ -26,12 +26,12 @@ impl System {
     }
 
     /// The energy whose minimum solves the system.
-    pub fn into_energy(self) -> Energy {
+    pub fn into_energy(self) -> Energy<D> {
         self.energy
     }
 }
 
-impl cg::System for System {
+impl<const D: usize> cg::System for System<D> {
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
         self.energy.apply(workers, x, y);
     }
