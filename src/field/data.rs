@@ -3,9 +3,9 @@
 //! Neither matrix nor stencil is stored: a point keeps its coordinates in cells, and its 4^D weights are made again where they are needed.
 
 use crate::Result;
-use crate::error::try_vec;
+use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
-use crate::geometry::vec::norm;
+use crate::geometry::vec::{norm, scale, sub};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::basis::Weights;
@@ -15,25 +15,38 @@ use std::ops::Range;
 /// cells, every other one at a time, write to different planes and need no lock.
 const SLAB: usize = 4;
 
+/// How far a point is from what the data ask for.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Misfit {
+    /// First-order distance |phi| / |grad phi| to the surface phi = 0, in units of D.
+    pub distance: f64,
+    /// |grad phi - s n|
+    pub normal: f64,
+}
+
 /// Points in cells of a grid, sorted by cell.
 pub struct Data<const D: usize = 3> {
     /// [N x D], in cells.
     xi: Vec<[f64; D]>,
+    /// Unit normals [N x D].
+    normals: Vec<[f64; D]>,
+    /// The caller's weights, of sum 1 [N].
+    share: Vec<f64>,
     mass: Vec<Mass>,
 }
 
-/// What a point counts for: 1 / N unless reweighted.
-#[derive(Debug, Clone, Copy)]
-struct Mass {
+/// What a point counts for: its share unless reweighted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mass {
     /// In the sum of values.
-    value: f64,
+    pub value: f64,
     /// In the sum of gradients.
-    gradient: f64,
+    pub gradient: f64,
 }
 
 impl<const D: usize> Data<D> {
-    /// The points of `cloud` in the cells of `grid`, all of one mass, and the cloud's indices in the order that they now have.
-    pub fn new(cloud: &Cloud<D>, grid: &Grid<D>) -> Result<(Self, Vec<u32>)> {
+    /// The points of `cloud` in the cells of `grid`, each with its share.
+    pub fn new(cloud: &Cloud<D>, grid: &Grid<D>) -> Result<Self> {
         let n = cloud.len();
         let to_cells = |p: &[f64; D]| std::array::from_fn(|a| (p[a] - grid.axes[a].lower) / grid.axes[a].cell);
         let mut keys = try_vec(n, (0usize, 0u32), "the order of the points")?;
@@ -41,19 +54,26 @@ impl<const D: usize> Data<D> {
             *key = (grid.stencil(to_cells(p)).0.first, i as u32);
         }
         keys.sort_unstable();
-        let mut order = try_vec(n, 0, "the order of the points")?;
-        let mut xi = try_vec(n, [0.0; D], "the points")?;
-        for ((key, slot), place) in keys.iter().zip(&mut xi).zip(&mut order) {
-            *slot = to_cells(&cloud.points()[key.1 as usize]);
-            *place = key.1;
+        let mut data = Data {
+            xi: try_vec(n, [0.0; D], "the points")?,
+            normals: try_vec(n, [0.0; D], "the normals")?,
+            share: try_vec(n, 1.0 / n as f64, "the shares of the points")?,
+            mass: try_vec(n, Mass { value: 0.0, gradient: 0.0 }, "the masses of the points")?,
+        };
+        let largest = cloud.weights().map(|weights| weights.iter().fold(0.0, |m: f64, w| m.max(*w)));
+        for (place, (_, i)) in keys.iter().enumerate() {
+            data.xi[place] = to_cells(&cloud.points()[*i as usize]);
+            data.normals[place] = cloud.normals()[*i as usize];
+            if let (Some(weights), Some(largest)) = (cloud.weights(), largest) {
+                data.share[place] = weights[*i as usize] / largest;
+            }
         }
-        Ok((
-            Data {
-                xi,
-                mass: try_vec(n, Mass { value: 1.0 / n as f64, gradient: 1.0 / n as f64 }, "the masses of the points")?,
-            },
-            order,
-        ))
+        if largest.is_some() {
+            let total: f64 = data.share.iter().sum();
+            data.share.iter_mut().for_each(|s| *s /= total);
+        }
+        data.mass.iter_mut().zip(&data.share).for_each(|(m, s)| *m = Mass { value: *s, gradient: *s });
+        Ok(data)
     }
 }
 
@@ -90,19 +110,12 @@ impl<const D: usize> DataTerm<D> {
         });
     }
 
-    /// y += the right-hand side that asks for the gradient `sign` n at each point; the points are those of `normals` [N x D] in `order`.
-    pub fn add_right_hand_side(
-        &self,
-        workers: &Workers,
-        normals: &[[f64; D]],
-        order: &[u32],
-        sign: f64,
-        y: &mut [f64],
-    ) {
+    /// y += the right-hand side that asks for the gradient `sign` n at each point.
+    pub fn add_right_hand_side(&self, workers: &Workers, sign: f64, y: &mut [f64]) {
         self.by_slab(workers, y, |p, y, first_layer| {
             let (stencil, u) = self.grid.stencil(self.data.xi[p]);
             let pull = self.pull(p);
-            let gradient = std::array::from_fn(|a| pull[a] * sign * normals[order[p] as usize][a]);
+            let gradient = std::array::from_fn(|a| pull[a] * sign * self.data.normals[p][a]);
             stencil.shifted(first_layer).scatter(y, &u.map(Weights::at), 0.0, gradient);
         });
     }
@@ -127,24 +140,52 @@ impl<const D: usize> DataTerm<D> {
         self.data.xi.len()
     }
 
-    /// First-order distance |phi| / |grad phi| of each point to the surface phi = 0, in units of D; `x` are control points.
+    /// How far each point is from what the data ask for; `x` are control points.
     ///
-    /// Where phi is nearly flat the quotient means nothing: `flattest` bounds |grad phi| from below.
-    pub fn distances(&self, workers: &Workers, x: &[f64], flattest: f64, distances: &mut [f64]) {
+    /// Where phi is nearly flat |phi| / |grad phi| means nothing: `flattest` bounds |grad phi| from below.
+    pub fn misfits(&self, workers: &Workers, x: &[f64], sign: f64, flattest: f64, misfits: &mut [Misfit]) {
         const CHUNK: usize = 1024;
-        workers.for_each(self.data.xi.chunks(CHUNK).zip(distances.chunks_mut(CHUNK)), |(xi, distances)| {
-            for (xi, distance) in xi.iter().zip(distances) {
-                let (stencil, u) = self.grid.stencil(*xi);
+        workers.for_each(misfits.chunks_mut(CHUNK).enumerate(), |(chunk, misfits)| {
+            for (i, misfit) in misfits.iter_mut().enumerate() {
+                let p = chunk * CHUNK + i;
+                let (stencil, u) = self.grid.stencil(self.data.xi[p]);
                 let (value, g) = stencil.value_gradient(x, &u.map(Weights::at));
-                let slope = norm::<D>(std::array::from_fn(|a| self.per_cell[a] * g[a]));
-                *distance = value.abs() / slope.max(flattest);
+                let gradient: [f64; D] = std::array::from_fn(|a| self.per_cell[a] * g[a]);
+                misfit.distance = value.abs() / norm(gradient).max(flattest);
+                misfit.normal = norm(sub(gradient, scale(sign, self.data.normals[p])));
             }
         });
     }
 
     /// Multiplies what the value of each point counts for by a factor of its own.
-    pub fn reweight(&mut self, factors: &[f64]) {
+    pub fn reweight(&mut self, factors: impl Iterator<Item = f64>) {
         self.data.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
+    }
+
+    /// Makes each point count for its share times a factor of its own.
+    pub fn weigh(&mut self, factors: impl Iterator<Item = Mass>) {
+        for ((mass, share), factor) in self.data.mass.iter_mut().zip(&self.data.share).zip(factors) {
+            *mass = Mass { value: share * factor.value, gradient: share * factor.gradient };
+        }
+    }
+
+    /// Points whose values count for nothing.
+    pub fn n_left_out(&self) -> usize {
+        self.data.mass.iter().filter(|m| m.value == 0.0).count()
+    }
+
+    /// The points whose normals count for more than half, in units of D from the lower corner of the box, with their normals.
+    pub fn counted(&self) -> Result<Cloud<D>> {
+        // Sides are told by normals alone, so one that is in doubt is none.
+        let counts = |p: &usize| self.data.mass[*p].gradient > 0.5 * self.data.share[*p];
+        let n = (0..self.n_points()).filter(counts).count();
+        let mut points = try_with_capacity(n, "the points in units of D")?;
+        let mut normals = try_with_capacity(n, "the normals")?;
+        for p in (0..self.n_points()).filter(counts) {
+            points.push(std::array::from_fn(|a| self.data.xi[p][a] * self.grid.axes[a].cell));
+            normals.push(self.data.normals[p]);
+        }
+        Cloud::new(points, normals)
     }
 
     /// mass lambda_n / h_a of point `p`.

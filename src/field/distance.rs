@@ -107,16 +107,18 @@ pub struct DistanceTerm<const D: usize = 3> {
     centers: Centers<D>,
     /// lambda_d share [cells]
     mass: Vec<f64>,
+    /// d, in units of D [cells]
+    distance: Vec<f64>,
     values: Vec<f64>,
 }
 
 impl<const D: usize> DistanceTerm<D> {
     /// The term with weight `lambda_d` on `grid`.
-    pub fn new(far: &FarDistances, grid: &Grid<D>, lambda_d: f64) -> Result<Self> {
-        let mut mass = try_vec(far.share.len(), 0.0, "the weights of the far distances")?;
-        mass.iter_mut().zip(&far.share).for_each(|(m, s)| *m = lambda_d * s);
+    pub fn new(far: FarDistances, grid: &Grid<D>, lambda_d: f64) -> Result<Self> {
+        let FarDistances { share: mut mass, distance } = far;
+        mass.iter_mut().for_each(|m| *m *= lambda_d);
         let values = try_vec(mass.len(), 0.0, "the far values")?;
-        Ok(DistanceTerm { centers: Centers::new(grid)?, mass, values })
+        Ok(DistanceTerm { centers: Centers::new(grid)?, mass, distance, values })
     }
 
     /// y += (the term's matrix) x
@@ -127,8 +129,8 @@ impl<const D: usize> DistanceTerm<D> {
     }
 
     /// y += the right-hand side that asks for `sign` d.
-    pub fn add_right_hand_side(&mut self, far: &FarDistances, sign: f64, y: &mut [f64]) {
-        for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&far.distance) {
+    pub fn add_right_hand_side(&mut self, sign: f64, y: &mut [f64]) {
+        for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&self.distance) {
             *v = m * sign * d;
         }
         self.centers.scatter(&taps(), &self.values, y);

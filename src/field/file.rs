@@ -13,7 +13,7 @@
 //!  80  f64 diagonal D of the cloud
 //!  88  u64 points of the cloud
 //!  96  u32 iterations
-//! 100  u32 zero
+//! 100  u32 outliers that a robust fit left out
 //! 104  f64 residual; seconds of assembly, solve, check; rms, max, mean gradient at the points
 //! 160  f64 control points, row-major, the last axis contiguous
 //! end  u32 CRC-32 (IEEE 802.3) of all before
@@ -109,7 +109,7 @@ impl<const D: usize> Field<D> {
         h.extend(along(|a| a.lower).iter().chain(&along(|a| a.cell)).flat_map(|x| x.to_le_bytes()));
         h.extend(self.diagonal.to_le_bytes());
         h.extend(r.n_points.to_le_bytes());
-        h.extend([r.iterations, 0].iter().flat_map(|x| x.to_le_bytes()));
+        h.extend([r.iterations, u32::try_from(r.n_outliers).unwrap_or(u32::MAX)].iter().flat_map(|x| x.to_le_bytes()));
         let figures = [r.residual, r.seconds_assembly, r.seconds_solve, r.seconds_check, r.rms, r.max, r.mean_gradient];
         h.extend(figures.iter().flat_map(|x| x.to_le_bytes()));
         debug_assert_eq!(h.len(), HEADER);
@@ -261,16 +261,12 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
     }
     let n_points = at.u64();
     let iterations = at.u32();
-    if at.u32() != 0 {
-        return Err((
-            Place::Byte(100),
-            "bytes that must be 0 are not: the file is of a newer version, or altered".into(),
-        ));
-    }
+    let n_outliers = u64::from(at.u32());
     let report = FitReport {
         control_points,
         n_points,
         n_unknowns: control_points[..dimension].iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c))),
+        n_outliers,
         iterations,
         residual: at.f64(),
         seconds_assembly: at.f64(),

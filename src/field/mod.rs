@@ -22,7 +22,8 @@
 //! - Normals point to the feasible side or away from it as [`Feasible`] says; the paper's (6) takes them into the infeasible side.
 //! - Away from the surface phi is held to the distance to the cloud, (9), which the paper states and leaves out, so that its sign is
 //!   right there: [`distance`].
-//! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`].
+//! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`]; or, where the caller
+//!   does not trust the cloud, less: [`robust`].
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations.
 //! - An axis of the box thinner than 0.05 D is widened to that first, so that a flat cloud has a box: [`domain`].
 //! - Outside the box, where the paper's field ends, it is continued: [`beyond`].
@@ -40,6 +41,7 @@ pub mod fit;
 mod options;
 mod report;
 pub mod reweight;
+pub mod robust;
 pub mod smoothness;
 mod system;
 
@@ -47,7 +49,7 @@ use crate::spline::Grid;
 pub use beyond::Beyond;
 pub use eval::Outputs;
 pub use file::load;
-pub use options::{Feasible, FitOptions};
+pub use options::{Feasible, FitOptions, Reweighting};
 pub use report::FitReport;
 
 /// A fitted level-set function.

@@ -22,6 +22,17 @@ impl Feasible {
     }
 }
 
+/// What rounds of reweighting are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reweighting {
+    /// Points that the surface misses count for more: against the largest error, for clouds to be trusted. See
+    /// [`reweight`](super::reweight).
+    Largest,
+    /// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. See
+    /// [`robust`](super::robust).
+    Robust,
+}
+
 /// Rounds of reweighting that a fit may be asked for; a few are all that help.
 const MOST_REWEIGHTINGS: u32 = 100;
 
@@ -39,8 +50,9 @@ pub struct FitOptions {
     /// Weight of the distance energy (9) away from the surface, in units of lambda_r / h^4, h the longest cell edge: see
     /// [`distance`](super::distance). 0 is the paper's fit.
     pub distance_weight: f64,
-    /// Rounds in which points that the surface misses are weighted more, against the largest error: see [`reweight`](super::reweight).
-    /// 0 is the paper's fit.
+    /// What the rounds of reweighting are for.
+    pub reweighting: Reweighting,
+    /// Rounds in which points are weighted anew. 0 is the paper's fit.
     pub reweightings: u32,
     /// Side where phi > 0.
     pub feasible: Feasible,
@@ -63,6 +75,7 @@ impl Default for FitOptions {
             normal_weight: 1e-4,
             smooth_weight: 3e-10,
             distance_weight: 150.0,
+            reweighting: Reweighting::Largest,
             reweightings: 3,
             feasible: Feasible::Outside,
             tolerance: 1e-4,

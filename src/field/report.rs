@@ -9,6 +9,8 @@ pub struct FitReport {
     pub n_points: u64,
     /// Unknowns of the solve: control points in all.
     pub n_unknowns: u64,
+    /// Points that a robust fit left out at last.
+    pub n_outliers: u64,
     /// Iterations of conjugate gradients, over all rounds of reweighting.
     pub iterations: u32,
     /// Relative residual reached in the last round.

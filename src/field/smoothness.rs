@@ -36,6 +36,11 @@ impl Smoothness {
         Ok(Smoothness { shape, gram, factor: weight / volume, scratch: Default::default() })
     }
 
+    /// Multiplies the weight by `factor`.
+    pub fn scale(&mut self, factor: f64) {
+        self.factor *= factor;
+    }
+
     /// Takes the memory that [`Smoothness::apply`] works in.
     pub fn reserve(&mut self) -> Result<()> {
         let n: usize = self.shape.iter().product();
