@@ -25,6 +25,7 @@
 
 #![forbid(unsafe_code)]
 
+mod along_curves;
 pub mod bounds;
 mod bvh;
 pub mod cloud;
