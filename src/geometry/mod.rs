@@ -15,6 +15,7 @@
 //! | Wald 2007, binned surface area heuristic | `bvh` |
 //! | Morton 1966, Z curve | `morton` |
 //! | Yuksel 2015, sample elimination | `eliminate` |
+//! | Shewchuk 1997, exact orientation of three points | `predicate` |
 //! | Thuermer and Wuethrich 1998, normals by angle | [`normals`] |
 //! | Steele, Lea and Flood 2014, SplitMix64 | [`random`] |
 //!
@@ -29,6 +30,7 @@ mod along_curves;
 pub mod bounds;
 mod bvh;
 pub mod cloud;
+mod crossings;
 pub mod distance;
 mod edges;
 mod eliminate;
@@ -36,7 +38,10 @@ mod facet;
 pub mod mesh;
 mod morton;
 pub mod neighbours;
+mod nesting;
 pub mod normals;
+pub mod polylines;
+mod predicate;
 pub mod random;
 pub mod read;
 pub mod report;
@@ -53,5 +58,6 @@ pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
 pub use distance::{ClosestPoint, DistanceTree};
 pub use mesh::Mesh;
+pub use polylines::Ends;
 pub use read::read;
 pub use report::MeshReport;
