@@ -1,6 +1,7 @@
 //! Shapes: meshes, triangles in space and segments in the plane, oriented point clouds, and exact distances between them and points.
 //!
-//! Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
+//! One path serves both dimensions, by a const D; `facet` holds what differs, and curves alone have [`polylines`] and their even samples
+//! (`along_curves`). Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
 //! bounding-box diagonal D happens at the door of the room that needs it. Normals of a solid point out of it; signed distances
 //! are positive outside.
 //!
@@ -22,7 +23,7 @@
 //! Where we depart: sides come from the winding number, not from the nearest normal as in (1), and sample elimination measures along
 //! the surface.
 //!
-//! Notation: V vertices, T triangles, p a point, n a unit normal, b barycentric coordinates in a triangle (a, b, c).
+//! Notation: V vertices, F facets: T triangles or S segments, p a point, n a unit normal, b barycentric coordinates in a facet.
 
 #![forbid(unsafe_code)]
 
