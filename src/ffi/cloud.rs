@@ -114,6 +114,23 @@ unsafe fn copy<const D: usize>(cloud: &Cloud<D>, n: usize, points: *mut f64, nor
     Ok(())
 }
 
+/// Gives each point a weight, `weights` [n_points]: how much a fit trusts it, compared with the others. All count alike without.
+///
+/// A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is copied.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a weight that is negative, not a number or above 1e100, naming the first, and where all are 0;
+/// KO_ERR_OUT_OF_MEMORY. After an error the weights are as they were. No other thread may be using the cloud. Cost: a copy.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_cloud_set_weights(cloud: *mut ko_cloud, weights: *const f64, n_points: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a cloud that no one else uses.
+        let ko_cloud(cloud) = unsafe { place(cloud, "cloud") }?;
+        // SAFETY: the header asks for an array of this length.
+        let weights = unsafe { array(weights, n_points, "weights") }?;
+        let weights = copied(weights, "the weights")?;
+        in_its_dimension!(cloud, cloud => cloud.set_weights(weights))
+    })
+}
+
 /// Copies where on its mesh each point was taken: index of the triangle, in the plane the segment, into
 /// `triangles` [n_points], coordinates into `barycentric` [dim * n_points].
 ///

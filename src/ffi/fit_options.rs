@@ -11,6 +11,12 @@ pub const KO_FEASIBLE_OUTSIDE: i32 = 0;
 /// phi > 0 on the other side: inside a solid. grad phi = -n on the surface.
 pub const KO_FEASIBLE_INSIDE: i32 = 1;
 
+/// Points that the surface misses count for more: against the largest error, for clouds to be trusted.
+pub const KO_REWEIGHT_LARGEST: i32 = 0;
+/// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more, the
+/// first of them much smoother.
+pub const KO_REWEIGHT_ROBUST: i32 = 1;
+
 /// Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0 cancels.
 /// It must not unwind, throw or jump out.
 #[allow(non_camel_case_types)]
@@ -25,10 +31,10 @@ pub struct ko_fit_options {
     /// sizeof(ko_fit_options), set by ko_fit_options_init.
     pub struct_size: usize,
     /// Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose: near-cubic cells, about
-    /// twice as many control points as points, between 4096 and 262144.
+    /// twice as many control points as points, between 4096 and 262144. In the plane z is ignored, and N points get N^2 / 100, between
+    /// 1024 and 65536.
     pub control_points: [u32; 3],
-    /// Rounds in which points that the surface misses are weighted more, against the largest error; at most 100. 0: the paper's
-    /// fit. Default 3.
+    /// Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: the paper's fit. Default 3.
     pub reweightings: u32,
     /// How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
     pub margin: f64,
@@ -55,6 +61,10 @@ pub struct ko_fit_options {
     pub progress: ko_progress,
     /// Handed to `progress`.
     pub progress_data: *mut c_void,
+    /// What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST.
+    pub reweighting: i32,
+    /// Must be 0.
+    pub reserved_2: u32,
 }
 
 // SAFETY: repr(C), starts with a usize, and no padding, by the order of its fields (checked below). Every pattern of bits is a value:
@@ -63,7 +73,7 @@ unsafe impl Sized_ for ko_fit_options {
     const FIRST_SIZE: usize = 2 * size_of::<usize>() + 80 + size_of::<ko_progress>();
 }
 
-const _: () = assert!(size_of::<ko_fit_options>() == <ko_fit_options as Sized_>::FIRST_SIZE);
+const _: () = assert!(std::mem::offset_of!(ko_fit_options, reweighting) == <ko_fit_options as Sized_>::FIRST_SIZE);
 
 /// Fills `options` with the defaults. `struct_size` is sizeof *options.
 ///
@@ -95,6 +105,8 @@ impl ko_fit_options {
             reserved: 0,
             progress: None,
             progress_data: std::ptr::null_mut(),
+            reweighting: KO_REWEIGHT_LARGEST,
+            reserved_2: 0,
         }
     }
 
@@ -121,8 +133,17 @@ impl ko_fit_options {
                 )));
             }
         };
-        if self.reserved != 0 {
-            return Err(Error::InvalidArgument(format!("reserved is {}; it must be 0", self.reserved)));
+        let reweighting = match self.reweighting {
+            KO_REWEIGHT_LARGEST => Reweighting::Largest,
+            KO_REWEIGHT_ROBUST => Reweighting::Robust,
+            other => {
+                return Err(Error::InvalidArgument(format!(
+                    "reweighting is {other}; it must be KO_REWEIGHT_LARGEST (0) or KO_REWEIGHT_ROBUST (1)"
+                )));
+            }
+        };
+        if let Some(reserved) = [self.reserved, self.reserved_2].iter().find(|r| **r != 0) {
+            return Err(Error::InvalidArgument(format!("a reserved field is {reserved}; it must be 0")));
         }
         Ok(FitOptions {
             control_points: self.control_points,
@@ -130,7 +151,7 @@ impl ko_fit_options {
             normal_weight: self.lambda_normal,
             smooth_weight: self.lambda_smooth,
             distance_weight: self.distance_weight,
-            reweighting: Reweighting::Largest,
+            reweighting,
             reweightings: self.reweightings,
             feasible,
             tolerance: self.tolerance,

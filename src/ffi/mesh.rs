@@ -6,7 +6,7 @@ use super::pointer::{array, array_mut, create, free, object, path, place, wanted
 use super::report::ko_mesh_report;
 use crate::dimension::{OfDimension, in_its_dimension};
 use crate::error::try_with_capacity;
-use crate::geometry::Mesh;
+use crate::geometry::{Ends, Mesh};
 use crate::{Error, Result};
 use std::ffi::c_char;
 
@@ -49,6 +49,43 @@ pub unsafe extern "C" fn ko_mesh_from_triangles(
             let triangles = unsafe { array(triangles.cast::<[u32; 3]>(), n_triangles, "triangles") }?;
             let mesh = Mesh::new(copied(vertices, "the vertices")?, copied(triangles, "the triangles")?)?;
             Ok(ko_mesh(OfDimension::Space(mesh)))
+        };
+        // SAFETY: the header asks for a handle to write.
+        unsafe { create(mesh, "mesh", make) }
+    })
+}
+
+/// Makes a mesh of the plane from polylines: `points` [2 * n_points], of which polyline i begins at `loop_starts`[i] [n_loops].
+///
+/// `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last; 0:
+/// none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that repeats
+/// the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
+/// that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
+/// same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
+/// Cost: O(n_points log n_points) where segments are short, and the number of loops times that of the segments below each one's leftmost
+/// point.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_from_polylines(
+    points: *const f64,
+    n_points: usize,
+    loop_starts: *const usize,
+    n_loops: usize,
+    closed: i32,
+    mesh: *mut *mut ko_mesh,
+) -> i32 {
+    guard(|| {
+        let make = || {
+            // SAFETY: the header asks for arrays of these lengths.
+            let points = unsafe { array(points.cast::<[f64; 2]>(), n_points, "points") }?;
+            // SAFETY: as above.
+            let loop_starts = unsafe { array(loop_starts, n_loops, "loop_starts") }?;
+            let ends = match closed {
+                0 => Ends::Open,
+                1 => Ends::Closed,
+                _ => return Err(Error::InvalidArgument(format!("closed is {closed}; it must be 0 or 1"))),
+            };
+            Ok(ko_mesh(OfDimension::Plane(Mesh::from_polylines(copied(points, "the points")?, loop_starts, ends)?)))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(mesh, "mesh", make) }
@@ -152,11 +189,8 @@ pub unsafe extern "C" fn ko_mesh_get_report(
     guard(|| {
         // SAFETY: the header asks for a mesh.
         let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
-        match mesh {
-            OfDimension::Plane(_) => Err(Error::Unsupported("reports are of meshes in space so far".into())),
-            // SAFETY: the header asks for a struct of this size.
-            OfDimension::Space(mesh) => unsafe { ko_mesh_report::write(report, struct_size, &mesh.report()?) },
-        }
+        // SAFETY: the header asks for a struct of this size.
+        in_its_dimension!(mesh, mesh => unsafe { ko_mesh_report::write(report, struct_size, &mesh.report()?) })
     })
 }
 
@@ -173,9 +207,10 @@ pub unsafe extern "C" fn ko_mesh_flip(mesh: *mut ko_mesh) -> i32 {
     })
 }
 
-/// Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud.
+/// Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud; of curves in the
+/// plane evenly by length.
 ///
-/// Normals are smooth across edges of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
+/// Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
 /// coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
 /// Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
 /// Threads: any. Cost: O(n_points log n_points + n_triangles).
@@ -191,9 +226,7 @@ pub unsafe extern "C" fn ko_mesh_sample(
             // SAFETY: the header asks for a mesh.
             let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
             Ok(ko_cloud(match mesh {
-                OfDimension::Plane(_) => {
-                    return Err(Error::Unsupported("only meshes in space are sampled so far".into()));
-                }
+                OfDimension::Plane(mesh) => OfDimension::Plane(mesh.sample(n_points, seed)?),
                 OfDimension::Space(mesh) => OfDimension::Space(mesh.sample(n_points, seed)?),
             }))
         };

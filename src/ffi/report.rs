@@ -7,7 +7,8 @@ use crate::field::{Feasible, Field};
 use crate::geometry::MeshReport;
 use crate::spline::Axis;
 
-/// What can be said of a mesh. Filled by `ko_mesh_get_report`.
+/// What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length for
+/// area, area for volume; entries along z are 0.
 #[allow(non_camel_case_types)]
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -60,7 +61,9 @@ const _: () = assert!(size_of::<ko_mesh_report>() == <ko_mesh_report as Sized_>:
 impl ko_mesh_report {
     /// # Safety
     /// `to` is NULL or points to `size` writable bytes.
-    pub(super) unsafe fn write(to: *mut Self, size: usize, r: &MeshReport) -> Result<()> {
+    pub(super) unsafe fn write<const D: usize>(to: *mut Self, size: usize, r: &MeshReport<D>) -> Result<()> {
+        // In the plane what belongs to z is 0.
+        let in_space = |p: [f64; D]| [0, 1, 2].map(|a| p.get(a).copied().unwrap_or(0.0));
         let report = ko_mesh_report {
             struct_size: size,
             n_vertices: r.n_vertices as u64,
@@ -76,8 +79,8 @@ impl ko_mesh_report {
             oriented: i32::from(r.oriented),
             manifold: i32::from(r.manifold),
             inside_out: i32::from(r.inside_out),
-            bounds_min: r.bounds.min,
-            bounds_max: r.bounds.max,
+            bounds_min: in_space(r.bounds.min),
+            bounds_max: in_space(r.bounds.max),
             area: r.area,
             volume: r.volume,
         };
@@ -127,6 +130,8 @@ pub struct ko_fit_report {
     pub max: f64,
     /// Mean of |grad phi| at the points of the cloud: 1 for a distance.
     pub mean_gradient: f64,
+    /// Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
+    pub n_outliers: u64,
 }
 
 // SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
@@ -134,7 +139,7 @@ unsafe impl Sized_ for ko_fit_report {
     const FIRST_SIZE: usize = size_of::<usize>() + 6 * 4 + 3 * 8 + 14 * 8;
 }
 
-const _: () = assert!(size_of::<ko_fit_report>() == <ko_fit_report as Sized_>::FIRST_SIZE);
+const _: () = assert!(std::mem::offset_of!(ko_fit_report, n_outliers) == <ko_fit_report as Sized_>::FIRST_SIZE);
 
 impl ko_fit_report {
     /// # Safety
@@ -165,6 +170,7 @@ impl ko_fit_report {
             rms: r.rms,
             max: r.max,
             mean_gradient: r.mean_gradient,
+            n_outliers: r.n_outliers,
         };
         // SAFETY: the caller's promise.
         unsafe { write_sized(to, size, report, "report") }

@@ -76,6 +76,58 @@ fn derivatives_agree_with_differences_inside_outside_and_on_the_faces() {
 }
 
 #[test]
+fn points_of_weight_0_are_as_if_they_were_not_there() -> Result<()> {
+    let cloud = ellipse(300);
+    let points = [cloud.points(), &[[5.0, 5.0], [0.0, 0.1]]].concat();
+    let normals = [cloud.normals(), &[[1.0, 0.0]; 2]].concat();
+    let mut with_more = Cloud::new(points, normals)?;
+    with_more.set_weights([vec![2.0; 300], vec![0.0; 2]].concat())?;
+    let (one, other) = (fit(&cloud, &FitOptions::default()), fit(&with_more, &FitOptions::default()));
+    assert_eq!(one.report().n_points, other.report().n_points);
+    let worst = one.coefficients().iter().zip(other.coefficients()).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    // Shares are sums of weights here, 1 / N there.
+    assert!(worst < 1e-10, "{worst}");
+    for wrong in [vec![1.0; 3], vec![f64::NAN; 302], vec![-1.0; 302], vec![0.0; 302]] {
+        assert!(with_more.set_weights(wrong).is_err());
+    }
+    Ok(())
+}
+
+#[test]
+fn a_point_that_counts_for_more_is_met_more_closely() -> Result<()> {
+    let cloud = ellipse(300);
+    let beside = [1.05, 0.0];
+    let mut with_one = Cloud::new([cloud.points(), &[beside]].concat(), [cloud.normals(), &[[1.0, 0.0]]].concat())?;
+    let options = FitOptions { reweightings: 0, ..FitOptions::default() };
+    let phi = |cloud: &Cloud<2>| jet(&fit(cloud, &options), beside).0.abs();
+    let before = phi(&with_one);
+    with_one.set_weights([vec![1.0; 300], vec![30.0]].concat())?;
+    let after = phi(&with_one);
+    assert!(after < 0.5 * before, "{after} {before}");
+    Ok(())
+}
+
+#[test]
+fn a_robust_fit_leaves_outliers_out_and_keeps_every_good_point() -> Result<()> {
+    let cloud = ellipse(500);
+    let mut random = SplitMix64::new(2);
+    let mut points = cloud.points().to_vec();
+    let mut normals = cloud.normals().to_vec();
+    for _ in 0..50 {
+        points.push([random.between(-1.1, 1.1), random.between(-0.5, 0.5)]);
+        normals.push([random.between(-1.0, 1.0), random.between(-1.0, 1.0)]);
+    }
+    let robust = FitOptions { reweighting: Reweighting::Robust, ..FitOptions::default() };
+    let field = fit(&Cloud::new(points, normals)?, &robust);
+    let clean = fit(&cloud, &robust);
+    let worst = |f: &Field<2>| cloud.points().iter().fold(0.0, |m: f64, p| m.max(jet(f, *p).0.abs()));
+    assert!(worst(&field) < 2e-3 && worst(&clean) < 2e-3, "{} {}", worst(&field), worst(&clean));
+    assert_eq!(clean.report().n_outliers, 0);
+    assert!((35..=50).contains(&field.report().n_outliers), "{}", field.report().n_outliers);
+    Ok(())
+}
+
+#[test]
 fn a_power_of_two_scales_the_field_to_the_bit_and_threads_change_none() {
     let cloud = ellipse(500);
     let one = fit(&cloud, &FitOptions { n_threads: 1, ..FitOptions::default() });

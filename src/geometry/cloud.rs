@@ -70,9 +70,9 @@ impl<const D: usize> Cloud<D> {
         self
     }
 
-    /// The cloud with a weight for each point, `weights` [N]: how much a fit trusts it, compared with the others. A point of weight 0 takes
-    /// no part in a fit, as if it were not there.
-    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
+    /// Gives each point a weight, `weights` [N]: how much a fit trusts it, compared with the others. A point of weight 0 takes no part in a
+    /// fit, as if it were not there.
+    pub fn set_weights(&mut self, weights: Vec<f64>) -> Result<()> {
         if weights.len() != self.len() {
             let (n, points) = (weights.len(), self.len());
             return Err(Error::InvalidArgument(format!(
@@ -87,7 +87,7 @@ impl<const D: usize> Cloud<D> {
             return Err(Error::InvalidArgument("all weights are 0; at least one point must count".into()));
         }
         self.weights = Some(weights);
-        Ok(self)
+        Ok(())
     }
 
     /// The points that count, without origins; `None` where all do.
