@@ -99,7 +99,18 @@
 #define KO_FEASIBLE_INSIDE 1
 
 /**
- * Points of a surface with unit normals. Freed by `ko_cloud_free`.
+ * Points that the surface misses count for more: against the largest error, for clouds to be trusted.
+ */
+#define KO_REWEIGHT_LARGEST 0
+
+/**
+ * Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more, the
+ * first of them much smoother.
+ */
+#define KO_REWEIGHT_ROBUST 1
+
+/**
+ * Points of a surface in space (dim 3) or of a curve in the plane (dim 2) with unit normals. Freed by `ko_cloud_free`.
  */
 typedef struct ko_cloud ko_cloud;
 
@@ -109,12 +120,13 @@ typedef struct ko_cloud ko_cloud;
 typedef struct ko_field ko_field;
 
 /**
- * A triangulated surface. Freed by `ko_mesh_free`.
+ * A triangulated surface in space (dim 3), or polylines in the plane (dim 2). Freed by `ko_mesh_free`.
  */
 typedef struct ko_mesh ko_mesh;
 
 /**
- * What can be said of a mesh. Filled by `ko_mesh_get_report`.
+ * What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length for
+ * area, area for volume; entries along z are 0.
  */
 typedef struct ko_mesh_report {
     /**
@@ -208,12 +220,12 @@ typedef struct ko_fit_options {
     size_t struct_size;
     /**
      * Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose: near-cubic cells, about
-     * twice as many control points as points, between 4096 and 262144.
+     * twice as many control points as points, between 4096 and 262144. In the plane z is ignored, and N points get N^2 / 100, between
+     * 1024 and 65536.
      */
     uint32_t control_points[3];
     /**
-     * Rounds in which points that the surface misses are weighted more, against the largest error; at most 100. 0: the paper's
-     * fit. Default 3.
+     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: the paper's fit. Default 3.
      */
     uint32_t reweightings;
     /**
@@ -265,6 +277,14 @@ typedef struct ko_fit_options {
      * Handed to `progress`.
      */
     void *progress_data;
+    /**
+     * What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST.
+     */
+    int32_t reweighting;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_2;
 } ko_fit_options;
 
 /**
@@ -276,7 +296,7 @@ typedef struct ko_fit_report {
      */
     size_t struct_size;
     /**
-     * 3.
+     * 2 in the plane, where entries along z are 0; 3 in space.
      */
     uint32_t dim;
     /**
@@ -343,6 +363,10 @@ typedef struct ko_fit_report {
      * Mean of |grad phi| at the points of the cloud: 1 for a distance.
      */
     double mean_gradient;
+    /**
+     * Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
+     */
+    uint64_t n_outliers;
 } ko_fit_report;
 
 #ifdef __cplusplus
@@ -402,19 +426,45 @@ int32_t ko_mesh_from_triangles(const double *vertices,
                                struct ko_mesh **mesh);
 
 /**
+ * Makes a mesh of the plane from polylines: `points` [2 * n_points], of which polyline i begins at `loop_starts`[i] [n_loops].
+ *
+ * `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last; 0:
+ * none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that repeats
+ * the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
+ * that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
+ * same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
+ * Cost: O(n_points log n_points) where segments are short, and the number of loops times that of the segments below each one's leftmost
+ * point.
+ */
+int32_t ko_mesh_from_polylines(const double *points,
+                               size_t n_points,
+                               const size_t *loop_starts,
+                               size_t n_loops,
+                               int32_t closed,
+                               struct ko_mesh **mesh);
+
+/**
  * Frees a mesh. NULL is taken. No other thread may be using it.
  */
 void ko_mesh_free(struct ko_mesh *mesh);
 
 /**
- * Tells how many vertices and triangles the mesh has. Either output may be NULL.
+ * Tells the dimension of the mesh: 3 for triangles in space, 2 for segments in the plane.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_mesh_get_dim(const struct ko_mesh *mesh, uint32_t *dim);
+
+/**
+ * Tells how many vertices and triangles, in the plane segments, the mesh has. Either output may be NULL.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT for no mesh. Threads: any. Cost: none.
  */
 int32_t ko_mesh_get_size(const struct ko_mesh *mesh, size_t *n_vertices, size_t *n_triangles);
 
 /**
- * Copies the mesh to `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles]; either may be NULL.
+ * Copies the mesh to `vertices` [dim * n_vertices] and `triangles` [dim * n_triangles], in the plane the segments; either may be NULL.
  *
  * The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for other counts. Threads: any. Cost: a copy.
  */
@@ -435,16 +485,17 @@ int32_t ko_mesh_get_report(const struct ko_mesh *mesh,
                            struct ko_mesh_report *report);
 
 /**
- * Turns every triangle over, so that an inside-out solid becomes a solid.
+ * Turns every triangle, in the plane every segment, over, so that an inside-out solid becomes a solid.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT for NULL. No other thread may be using the mesh. Cost: O(n_triangles).
  */
 int32_t ko_mesh_flip(struct ko_mesh *mesh);
 
 /**
- * Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud.
+ * Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud; of curves in the
+ * plane evenly by length.
  *
- * Normals are smooth across edges of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
+ * Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
  * coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
  * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
  * Threads: any. Cost: O(n_points log n_points + n_triangles).
@@ -455,7 +506,7 @@ int32_t ko_mesh_sample(const struct ko_mesh *mesh,
                        struct ko_cloud **cloud);
 
 /**
- * Exact signed distances of `points` [3 * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
+ * Exact signed distances of `points` [dim * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
  *
  * The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
@@ -469,8 +520,7 @@ int32_t ko_mesh_signed_distance(const struct ko_mesh *mesh,
 /**
  * Makes a cloud from `points` [dim * n_points] with `normals` [dim * n_points] out of the solid, of any length but 0.
  *
- * This version takes `dim` 3, and needs normals: KO_ERR_UNSUPPORTED answers dim 2 and NULL normals (to be estimated). The arrays are
- * copied. `*cloud` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for no points, for a point or normal that is not finite and for
+ * `dim` is 2 or 3. This version needs normals: KO_ERR_UNSUPPORTED answers NULL normals (to be estimated). The arrays are copied. `*cloud` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for no points, for a point or normal that is not finite and for
  * a normal of length 0, naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
  */
 int32_t ko_cloud_from_points(uint32_t dim,
@@ -485,19 +535,36 @@ int32_t ko_cloud_from_points(uint32_t dim,
 void ko_cloud_free(struct ko_cloud *cloud);
 
 /**
+ * Tells the dimension of the cloud, 2 or 3. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_cloud_get_dim(const struct ko_cloud *cloud, uint32_t *dim);
+
+/**
  * Tells how many points the cloud has. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
  */
 int32_t ko_cloud_get_size(const struct ko_cloud *cloud, size_t *n_points);
 
 /**
- * Copies the cloud to `points` [3 * n_points] and `normals` [3 * n_points], of length 1; either may be NULL.
+ * Copies the cloud to `points` [dim * n_points] and `normals` [dim * n_points], of length 1; either may be NULL.
  *
  * `n_points` must be that of `ko_cloud_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
  */
 int32_t ko_cloud_copy(const struct ko_cloud *cloud, size_t n_points, double *points, double *normals);
 
 /**
- * Copies where on its mesh each point was taken: index into `triangles` [n_points], coordinates into `barycentric` [3 * n_points].
+ * Gives each point a weight, `weights` [n_points]: how much a fit trusts it, compared with the others. All count alike without.
+ *
+ * A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is copied.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a weight that is negative, not a number or above 1e100, naming the first, and where all are 0;
+ * KO_ERR_OUT_OF_MEMORY. After an error the weights are as they were. No other thread may be using the cloud. Cost: a copy.
+ */
+int32_t ko_cloud_set_weights(struct ko_cloud *cloud,
+                             const double *weights,
+                             size_t n_points);
+
+/**
+ * Copies where on its mesh each point was taken: index of the triangle, in the plane the segment, into
+ * `triangles` [n_points], coordinates into `barycentric` [dim * n_points].
  *
  * Either may be NULL. `n_points` must be that of `ko_cloud_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for a cloud that was not
  * sampled from a mesh. Threads: any. Cost: a copy.
@@ -531,8 +598,8 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
                      struct ko_field **field);
 
 /**
- * Evaluates the field at `points` [3 * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [3 * n_points],
- * `hessians` [6 * n_points] by rows of the upper triangle, xx xy xz yy yz zz.
+ * Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],
+ * `hessians` by rows of the upper triangle, in space [6 * n_points], xx xy xz yy yz zz, in the plane [3 * n_points], xx xy yy.
  *
  * Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a distance:
  * with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary cell's
@@ -569,7 +636,7 @@ int32_t ko_field_eval_parallel(const struct ko_field *field,
                                uint32_t n_threads);
 
 /**
- * Writes to `outside` [n_points] 1 for each of `points` [3 * n_points] outside the field's box, 0 for each inside or on a face.
+ * Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
  * No allocation, no lock.
