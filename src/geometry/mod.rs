@@ -16,6 +16,7 @@
 //! | Morton 1966, Z curve | `morton` |
 //! | Yuksel 2015, sample elimination | `eliminate` |
 //! | Thuermer and Wuethrich 1998, normals by angle | [`normals`] |
+//! | Hoppe et al. 1992, normals of points that come without | [`orient`] |
 //! | Steele, Lea and Flood 2014, SplitMix64 | [`random`] |
 //!
 //! Where we depart: sides come from the winding number, not from the nearest normal as in (1), and sample elimination measures along
@@ -36,6 +37,7 @@ pub mod mesh;
 mod morton;
 pub mod neighbours;
 pub mod normals;
+pub mod orient;
 pub mod random;
 pub mod read;
 pub mod report;
