@@ -119,7 +119,8 @@ impl Roots {
             let other = if a as usize == c { b } else { a };
             let mutual = picks[other as usize] == pick;
             // Of a mutual pair the first is the root; all other picks lead to ever stronger links, so never back.
-            if if mutual { (other as usize) < c } else { taken == Taken::All } {
+            let follows = if mutual { (other as usize) < c } else { taken == Taken::All };
+            if follows {
                 parent[c] = other;
                 sign[c] = if sum < 0.0 { -1.0 } else { 1.0 };
             }

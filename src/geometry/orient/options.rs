@@ -20,6 +20,7 @@ pub struct NormalOptions {
 }
 
 impl Default for NormalOptions {
+    /// k from the measurement in [`super`]; the outlier factor names no sample of the test data's meshes, noise of 0.001 D included.
     fn default() -> Self {
         NormalOptions { neighbours: 0, outlier_factor: 2.5, n_threads: 0, memory_limit: 8 << 30 }
     }

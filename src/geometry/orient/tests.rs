@@ -118,6 +118,23 @@ fn the_smallest_clouds_have_normals() {
 }
 
 #[test]
+fn lattices_noise_and_sizes_at_the_ends_of_the_range_pass() {
+    // No surface at all, and ties everywhere.
+    let lattice: Vec<Vec3> = (0..1000).map(|i| [i % 10, i / 10 % 10, i / 100].map(f64::from)).collect();
+    let mut random = SplitMix64::new(1);
+    let noise: Vec<Vec3> = (0..1000).map(|_| std::array::from_fn(|_| random.unit())).collect();
+    // Differences whose squares are nothing beside points of size 1.
+    let specks: Vec<Vec3> = lattice.iter().map(|&p| scale(1e-200, p)).chain(noise.iter().copied()).collect();
+    let largest = noise.iter().map(|&p| scale(f64::MAX, p)).collect();
+    let smallest = noise.iter().map(|&p| scale(1e-306, p)).collect();
+    for points in [lattice, noise, specks, largest, smallest] {
+        let (cloud, report) = estimate_of(&points);
+        assert_eq!(cloud.len(), points.len());
+        assert!((0.0..=1.0).contains(&report.agreement));
+    }
+}
+
+#[test]
 fn refuses_what_has_no_normals() {
     let text = |error: Error| error.to_string();
     assert_eq!(text(error_of::<3>(&[[0.0; 3]; 3])), "3 points are given; normals need at least 4");
