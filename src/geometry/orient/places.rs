@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 pub struct Places<const D: usize> {
     /// Of size 1, in the order in which they come first [n_places x D].
     pub points: Vec<[f64; D]>,
-    /// The place of each point [n].
+    /// Index into `points`, one a point.
     pub of_point: Vec<u32>,
     /// Points at the place of an earlier one.
     pub copies: Vec<u32>,
