@@ -11,10 +11,12 @@
 //! | [`spline`] | a box and a resolution | uniform cubic B-spline bases, exact Gram matrices, the evaluation kernel |
 //! | [`linalg`] | operators | solutions by preconditioned conjugate gradients |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
+//! | [`dimension`], [`error`], [`par`], [`progress`] | | what all rooms share: the plane or space, errors, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
 //!
 //! Data flows one way, top to bottom. No room but `ffi` knows that C exists.
 
+pub mod dimension;
 pub mod error;
 pub mod ffi;
 pub mod field;

@@ -67,7 +67,7 @@ fn differences(row: &Row, report: &MeshReport) -> Vec<String> {
         }
     };
     compare("vertices", row.n_vertices, report.n_vertices);
-    compare("triangles", row.n_triangles, report.n_triangles);
+    compare("triangles", row.n_triangles, report.n_facets);
     compare("boundary edges", row.boundary_edges, report.boundary_edges);
     compare("non-manifold edges", row.non_manifold_edges, report.non_manifold_edges);
     // There a mesh with a non-manifold edge is not called closed.
@@ -76,7 +76,7 @@ fn differences(row: &Row, report: &MeshReport) -> Vec<String> {
     if !COMPONENTS_DIFFER.contains(&row.file.as_str()) {
         compare("components", row.components, report.components);
     }
-    compare("degenerate", row.degenerate, report.degenerate_triangles);
+    compare("degenerate", row.degenerate, report.degenerate_facets);
     let extents = report.bounds.extents();
     for (stated, reported) in row.extents.iter().flatten().zip(extents) {
         // The table gives four digits.

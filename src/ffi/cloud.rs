@@ -3,17 +3,17 @@
 use super::guard::{guard, guard_free};
 use super::mesh::{check_count, copied};
 use super::pointer::{array, create, free, object, place, wanted};
-use crate::Error;
+use crate::dimension::{OfDimension, in_its_dimension};
 use crate::geometry::Cloud;
+use crate::{Error, Result};
 
-/// Points of a surface with unit normals. Freed by `ko_cloud_free`.
+/// Points of a surface in space (dim 3) or of a curve in the plane (dim 2) with unit normals. Freed by `ko_cloud_free`.
 #[allow(non_camel_case_types)]
-pub struct ko_cloud(pub(super) Cloud);
+pub struct ko_cloud(pub(super) OfDimension<Cloud<2>, Cloud<3>>);
 
 /// Makes a cloud from `points` [dim * n_points] with `normals` [dim * n_points] out of the solid, of any length but 0.
 ///
-/// This version takes `dim` 3, and needs normals: KO_ERR_UNSUPPORTED answers dim 2 and NULL normals (to be estimated). The arrays are
-/// copied. `*cloud` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for no points, for a point or normal that is not finite and for
+/// `dim` is 2 or 3. This version needs normals: KO_ERR_UNSUPPORTED answers NULL normals (to be estimated). The arrays are copied. `*cloud` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for no points, for a point or normal that is not finite and for
 /// a normal of length 0, naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_cloud_from_points(
@@ -25,24 +25,31 @@ pub unsafe extern "C" fn ko_cloud_from_points(
 ) -> i32 {
     guard(|| {
         let make = || {
-            match dim {
-                3 => {}
-                2 => return Err(Error::Unsupported("dim is 2; this version takes 3".into())),
-                _ => return Err(Error::InvalidArgument(format!("dim is {dim}; it must be 3"))),
-            }
-            // SAFETY: the header asks for arrays of these lengths.
-            let points = unsafe { array(points.cast::<[f64; 3]>(), n_points, "points") }?;
-            if n_points > 0 && normals.is_null() {
-                let text = "normals is NULL; this version does not estimate normals: give one a point";
-                return Err(Error::Unsupported(text.into()));
-            }
-            // SAFETY: as above.
-            let normals = unsafe { array(normals.cast::<[f64; 3]>(), n_points, "normals") }?;
-            Ok(ko_cloud(Cloud::new(copied(points, "the points")?, copied(normals, "the normals")?)?))
+            Ok(ko_cloud(match dim {
+                // SAFETY: the header asks for arrays of these lengths.
+                2 => OfDimension::Plane(unsafe { from_points(points, normals, n_points) }?),
+                // SAFETY: as above.
+                3 => OfDimension::Space(unsafe { from_points(points, normals, n_points) }?),
+                _ => return Err(Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))),
+            }))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(cloud, "cloud", make) }
     })
+}
+
+/// # Safety
+/// `points` and `normals` are NULL or arrays of D times `n`.
+unsafe fn from_points<const D: usize>(points: *const f64, normals: *const f64, n: usize) -> Result<Cloud<D>> {
+    // SAFETY: the caller's promise.
+    let points = unsafe { array(points.cast::<[f64; D]>(), n, "points") }?;
+    if n > 0 && normals.is_null() {
+        let text = "normals is NULL; this version does not estimate normals: give one a point";
+        return Err(Error::Unsupported(text.into()));
+    }
+    // SAFETY: as above.
+    let normals = unsafe { array(normals.cast::<[f64; D]>(), n, "normals") }?;
+    Cloud::new(copied(points, "the points")?, copied(normals, "the normals")?)
 }
 
 /// Frees a cloud. NULL is taken. No other thread may be using it.
@@ -52,18 +59,29 @@ pub unsafe extern "C" fn ko_cloud_free(cloud: *mut ko_cloud) {
     guard_free(|| unsafe { free(cloud) });
 }
 
+/// Tells the dimension of the cloud, 2 or 3. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_cloud_get_dim(cloud: *const ko_cloud, dim: *mut u32) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a cloud and a place to write.
+        let (ko_cloud(cloud), dim) = unsafe { (object(cloud, "cloud")?, place(dim, "dim")?) };
+        *dim = cloud.dim();
+        Ok(())
+    })
+}
+
 /// Tells how many points the cloud has. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_cloud_get_size(cloud: *const ko_cloud, n_points: *mut usize) -> i32 {
     guard(|| {
         // SAFETY: the header asks for a cloud and a place to write.
         let (ko_cloud(cloud), n_points) = unsafe { (object(cloud, "cloud")?, place(n_points, "n_points")?) };
-        *n_points = cloud.len();
+        *n_points = in_its_dimension!(cloud, cloud => cloud.len());
         Ok(())
     })
 }
 
-/// Copies the cloud to `points` [3 * n_points] and `normals` [3 * n_points], of length 1; either may be NULL.
+/// Copies the cloud to `points` [dim * n_points] and `normals` [dim * n_points], of length 1; either may be NULL.
 ///
 /// `n_points` must be that of `ko_cloud_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
 #[unsafe(no_mangle)]
@@ -76,20 +94,28 @@ pub unsafe extern "C" fn ko_cloud_copy(
     guard(|| {
         // SAFETY: the header asks for a cloud.
         let ko_cloud(cloud) = unsafe { object(cloud, "cloud") }?;
-        check_count("n_points", n_points, cloud.len())?;
-        // SAFETY: the header asks for NULL or an array of this length.
-        if let Some(to) = unsafe { wanted(points.cast::<[f64; 3]>(), n_points, "points") }? {
-            to.copy_from_slice(cloud.points());
-        }
-        // SAFETY: as above.
-        if let Some(to) = unsafe { wanted(normals.cast::<[f64; 3]>(), n_points, "normals") }? {
-            to.copy_from_slice(cloud.normals());
-        }
-        Ok(())
+        // SAFETY: the header asks for NULL or arrays of this length.
+        in_its_dimension!(cloud, cloud => unsafe { copy(cloud, n_points, points, normals) })
     })
 }
 
-/// Copies where on its mesh each point was taken: index into `triangles` [n_points], coordinates into `barycentric` [3 * n_points].
+/// # Safety
+/// `points` and `normals` are NULL or arrays of D times `n`, used by no one else.
+unsafe fn copy<const D: usize>(cloud: &Cloud<D>, n: usize, points: *mut f64, normals: *mut f64) -> Result<()> {
+    check_count("n_points", n, cloud.len())?;
+    // SAFETY: the caller's promise.
+    if let Some(to) = unsafe { wanted(points.cast::<[f64; D]>(), n, "points") }? {
+        to.copy_from_slice(cloud.points());
+    }
+    // SAFETY: as above.
+    if let Some(to) = unsafe { wanted(normals.cast::<[f64; D]>(), n, "normals") }? {
+        to.copy_from_slice(cloud.normals());
+    }
+    Ok(())
+}
+
+/// Copies where on its mesh each point was taken: index of the triangle, in the plane the segment, into
+/// `triangles` [n_points], coordinates into `barycentric` [dim * n_points].
 ///
 /// Either may be NULL. `n_points` must be that of `ko_cloud_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for a cloud that was not
 /// sampled from a mesh. Threads: any. Cost: a copy.
@@ -103,19 +129,31 @@ pub unsafe extern "C" fn ko_cloud_copy_origins(
     guard(|| {
         // SAFETY: the header asks for a cloud.
         let ko_cloud(cloud) = unsafe { object(cloud, "cloud") }?;
-        let Some(origins) = cloud.origins() else {
-            let text = "the cloud was made from points; only one that was sampled from a mesh has origins";
-            return Err(Error::InvalidArgument(text.into()));
-        };
-        check_count("n_points", n_points, cloud.len())?;
-        // SAFETY: the header asks for NULL or an array of this length.
-        if let Some(to) = unsafe { wanted(triangles, n_points, "triangles") }? {
-            to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.facet);
-        }
-        // SAFETY: as above.
-        if let Some(to) = unsafe { wanted(barycentric.cast::<[f64; 3]>(), n_points, "barycentric") }? {
-            to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.barycentric);
-        }
-        Ok(())
+        // SAFETY: the header asks for NULL or arrays of this length.
+        in_its_dimension!(cloud, cloud => unsafe { copy_origins(cloud, n_points, triangles, barycentric) })
     })
+}
+
+/// # Safety
+/// `facets` and `barycentric` are NULL or arrays of `n` and D times `n`, used by no one else.
+unsafe fn copy_origins<const D: usize>(
+    cloud: &Cloud<D>,
+    n: usize,
+    facets: *mut u32,
+    barycentric: *mut f64,
+) -> Result<()> {
+    let Some(origins) = cloud.origins() else {
+        let text = "the cloud was made from points; only one that was sampled from a mesh has origins";
+        return Err(Error::InvalidArgument(text.into()));
+    };
+    check_count("n_points", n, cloud.len())?;
+    // SAFETY: the caller's promise.
+    if let Some(to) = unsafe { wanted(facets, n, "triangles") }? {
+        to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.facet);
+    }
+    // SAFETY: as above.
+    if let Some(to) = unsafe { wanted(barycentric.cast::<[f64; D]>(), n, "barycentric") }? {
+        to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.barycentric);
+    }
+    Ok(())
 }

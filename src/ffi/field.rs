@@ -6,15 +6,16 @@ use super::guard::{guard, guard_free};
 use super::pointer::{array, array_mut, create, free, object, path, wanted};
 use super::report::ko_fit_report;
 use crate::Result;
-use crate::field::{Field, Outputs};
-use crate::geometry::vec::Vec3;
+use crate::dimension::{OfDimension, in_its_dimension};
+use crate::field::eval::packed;
+use crate::field::{self, Field, Outputs};
 use crate::progress::Progress;
 use std::ffi::{CString, c_char};
 use std::ops::ControlFlow;
 
 /// A level-set function phi, close to the signed distance to a shape. Freed by `ko_field_free`.
 #[allow(non_camel_case_types)]
-pub struct ko_field(Field);
+pub struct ko_field(pub(super) OfDimension<Field<2>, Field<3>>);
 
 /// Fits a field to `cloud`: the minimum of the energy (10) of Dunn et al. 2023 over cubic B-splines on a box around the cloud, with the
 /// smoothness integrated exactly, distances held away from the surface, and points that the surface misses weighted more.
@@ -49,15 +50,19 @@ pub unsafe extern "C" fn ko_field_fit(
                     }
                 }
             };
-            Ok(ko_field(Field::fit(cloud, &options.to_fit_options()?, &mut Progress::new(&mut tell))?))
+            let (options, mut progress) = (options.to_fit_options()?, Progress::new(&mut tell));
+            Ok(ko_field(match cloud {
+                OfDimension::Plane(cloud) => OfDimension::Plane(Field::fit(cloud, &options, &mut progress)?),
+                OfDimension::Space(cloud) => OfDimension::Space(Field::fit(cloud, &options, &mut progress)?),
+            }))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(field, "field", make) }
     })
 }
 
-/// Evaluates the field at `points` [3 * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [3 * n_points],
-/// `hessians` [6 * n_points] by rows of the upper triangle, xx xy xz yy yz zz.
+/// Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],
+/// `hessians` by rows of the upper triangle, in space [6 * n_points], xx xy xz yy yz zz, in the plane [3 * n_points], xx xy yy.
 ///
 /// Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a distance:
 /// with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary cell's
@@ -79,9 +84,13 @@ pub unsafe extern "C" fn ko_field_eval(
     hessians: *mut f64,
 ) -> i32 {
     guard(|| {
-        // SAFETY: the header asks for a field and arrays of these lengths.
-        let (field, points, outputs) = unsafe { batch(field, points, n_points, values, gradients, hessians) }?;
-        field.eval(points, outputs)
+        // SAFETY: the header asks for a field.
+        let ko_field(field) = unsafe { object(field, "field") }?;
+        in_its_dimension!(field, field => {
+            // SAFETY: the header asks for arrays of these lengths.
+            let (points, outputs) = unsafe { batch(points, n_points, values, gradients, hessians) }?;
+            field.eval(points, outputs)
+        })
     })
 }
 
@@ -102,13 +111,17 @@ pub unsafe extern "C" fn ko_field_eval_parallel(
     n_threads: u32,
 ) -> i32 {
     guard(|| {
-        // SAFETY: the header asks for a field and arrays of these lengths.
-        let (field, points, outputs) = unsafe { batch(field, points, n_points, values, gradients, hessians) }?;
-        field.eval_parallel(points, outputs, n_threads)
+        // SAFETY: the header asks for a field.
+        let ko_field(field) = unsafe { object(field, "field") }?;
+        in_its_dimension!(field, field => {
+            // SAFETY: the header asks for arrays of these lengths.
+            let (points, outputs) = unsafe { batch(points, n_points, values, gradients, hessians) }?;
+            field.eval_parallel(points, outputs, n_threads)
+        })
     })
 }
 
-/// Writes to `outside` [n_points] 1 for each of `points` [3 * n_points] outside the field's box, 0 for each inside or on a face.
+/// Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.
 ///
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
 /// No allocation, no lock.
@@ -123,10 +136,11 @@ pub unsafe extern "C" fn ko_field_outside_box(
         // SAFETY: the header asks for a field.
         let ko_field(field) = unsafe { object(field, "field") }?;
         // SAFETY: the header asks for arrays of these lengths.
-        let points = unsafe { array(points.cast::<Vec3>(), n_points, "points") }?;
-        // SAFETY: as above.
         let outside = unsafe { array_mut(outside, n_points, "outside") }?;
-        field.outside_box(points, outside)
+        in_its_dimension!(field, field => {
+            // SAFETY: as above.
+            field.outside_box(unsafe { array(points.cast(), n_points, "points") }?, outside)
+        })
     })
 }
 
@@ -143,7 +157,7 @@ pub unsafe extern "C" fn ko_field_get_report(
         // SAFETY: the header asks for a field.
         let ko_field(field) = unsafe { object(field, "field") }?;
         // SAFETY: the header asks for a struct of this size.
-        unsafe { ko_fit_report::write(report, struct_size, field) }
+        in_its_dimension!(field, field => unsafe { ko_fit_report::write(report, struct_size, field) })
     })
 }
 
@@ -156,7 +170,7 @@ pub unsafe extern "C" fn ko_field_save(field: *const ko_field, path: *const c_ch
     guard(|| {
         // SAFETY: the header asks for a field and a NUL-terminated path.
         let (ko_field(field), path) = unsafe { (object(field, "field")?, self::path(path, "path")?) };
-        field.save(path)
+        in_its_dimension!(field, field => field.save(path))
     })
 }
 
@@ -168,7 +182,7 @@ pub unsafe extern "C" fn ko_field_save(field: *const ko_field, path: *const c_ch
 pub unsafe extern "C" fn ko_field_load(path: *const c_char, field: *mut *mut ko_field) -> i32 {
     guard(|| {
         // SAFETY: the header asks for a NUL-terminated path and a handle to write.
-        unsafe { create(field, "field", || Ok(ko_field(Field::load(self::path(path, "path")?)?))) }
+        unsafe { create(field, "field", || Ok(ko_field(field::load(self::path(path, "path")?)?))) }
     })
 }
 
@@ -182,24 +196,22 @@ pub unsafe extern "C" fn ko_field_free(field: *mut ko_field) {
 /// The arguments of an evaluation.
 ///
 /// # Safety
-/// Each pointer is NULL or points to an object or to an array of the length that `ko_field_eval` documents, outputs used by no one else.
-unsafe fn batch<'a>(
-    field: *const ko_field,
+/// Each pointer is NULL or points to an array of the length that `ko_field_eval` documents, outputs used by no one else.
+unsafe fn batch<'a, const D: usize>(
     points: *const f64,
     n: usize,
     values: *mut f64,
     gradients: *mut f64,
     hessians: *mut f64,
-) -> Result<(&'a Field, &'a [Vec3], Outputs<'a>)> {
+) -> Result<(&'a [[f64; D]], Outputs<'a, D>)> {
     // SAFETY: the caller's promise, for each of these.
     unsafe {
-        let ko_field(field) = object(field, "field")?;
         let points = array(points.cast(), n, "points")?;
         let outputs = Outputs {
             values: wanted(values, n, "values")?,
             gradients: wanted(gradients.cast(), n, "gradients")?,
-            hessians: wanted(hessians.cast(), n, "hessians")?,
+            hessians: wanted(hessians, n.saturating_mul(packed::<D>()), "hessians")?,
         };
-        Ok((field, points, outputs))
+        Ok((points, outputs))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::guard::guard;
 use super::pointer::{Sized_, read_sized, write_sized};
-use crate::field::{Feasible, FitOptions};
+use crate::field::{Feasible, FitOptions, Reweighting};
 use crate::{Error, Result};
 use std::ffi::{c_char, c_void};
 
@@ -130,6 +130,7 @@ impl ko_fit_options {
             normal_weight: self.lambda_normal,
             smooth_weight: self.lambda_smooth,
             distance_weight: self.distance_weight,
+            reweighting: Reweighting::Largest,
             reweightings: self.reweightings,
             feasible,
             tolerance: self.tolerance,

@@ -4,14 +4,15 @@ use super::cloud::ko_cloud;
 use super::guard::{guard, guard_free};
 use super::pointer::{array, array_mut, create, free, object, path, place, wanted};
 use super::report::ko_mesh_report;
+use crate::dimension::{OfDimension, in_its_dimension};
 use crate::error::try_with_capacity;
 use crate::geometry::Mesh;
 use crate::{Error, Result};
 use std::ffi::c_char;
 
-/// A triangulated surface. Freed by `ko_mesh_free`.
+/// A triangulated surface in space (dim 3), or polylines in the plane (dim 2). Freed by `ko_mesh_free`.
 #[allow(non_camel_case_types)]
-pub struct ko_mesh(Mesh);
+pub struct ko_mesh(pub(super) OfDimension<Mesh<2>, Mesh<3>>);
 
 /// Reads a mesh from `path`: OBJ, STL (binary, ASCII), PLY (binary, ASCII) or OFF, each also compressed by gzip.
 ///
@@ -23,7 +24,7 @@ pub struct ko_mesh(Mesh);
 pub unsafe extern "C" fn ko_mesh_read(path: *const c_char, mesh: *mut *mut ko_mesh) -> i32 {
     guard(|| {
         // SAFETY: the header asks for a NUL-terminated path and a handle to write.
-        unsafe { create(mesh, "mesh", || Ok(ko_mesh(Mesh::read(self::path(path, "path")?)?))) }
+        unsafe { create(mesh, "mesh", || Ok(ko_mesh(OfDimension::Space(Mesh::read(self::path(path, "path")?)?)))) }
     })
 }
 
@@ -46,7 +47,8 @@ pub unsafe extern "C" fn ko_mesh_from_triangles(
             let vertices = unsafe { array(vertices.cast::<[f64; 3]>(), n_vertices, "vertices") }?;
             // SAFETY: as above.
             let triangles = unsafe { array(triangles.cast::<[u32; 3]>(), n_triangles, "triangles") }?;
-            Ok(ko_mesh(Mesh::new(copied(vertices, "the vertices")?, copied(triangles, "the triangles")?)?))
+            let mesh = Mesh::new(copied(vertices, "the vertices")?, copied(triangles, "the triangles")?)?;
+            Ok(ko_mesh(OfDimension::Space(mesh)))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(mesh, "mesh", make) }
@@ -60,7 +62,20 @@ pub unsafe extern "C" fn ko_mesh_free(mesh: *mut ko_mesh) {
     guard_free(|| unsafe { free(mesh) });
 }
 
-/// Tells how many vertices and triangles the mesh has. Either output may be NULL.
+/// Tells the dimension of the mesh: 3 for triangles in space, 2 for segments in the plane.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_get_dim(mesh: *const ko_mesh, dim: *mut u32) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh and a place to write.
+        let (ko_mesh(mesh), dim) = unsafe { (object(mesh, "mesh")?, place(dim, "dim")?) };
+        *dim = mesh.dim();
+        Ok(())
+    })
+}
+
+/// Tells how many vertices and triangles, in the plane segments, the mesh has. Either output may be NULL.
 ///
 /// Errors: KO_ERR_INVALID_ARGUMENT for no mesh. Threads: any. Cost: none.
 #[unsafe(no_mangle)]
@@ -74,17 +89,17 @@ pub unsafe extern "C" fn ko_mesh_get_size(
         let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
         // SAFETY: the header asks for NULL or a place to write.
         if let Some(n) = unsafe { wanted(n_vertices, 1, "n_vertices") }? {
-            n[0] = mesh.vertices().len();
+            n[0] = in_its_dimension!(mesh, mesh => mesh.vertices().len());
         }
         // SAFETY: as above.
         if let Some(n) = unsafe { wanted(n_triangles, 1, "n_triangles") }? {
-            n[0] = mesh.triangles().len();
+            n[0] = in_its_dimension!(mesh, mesh => mesh.facets().len());
         }
         Ok(())
     })
 }
 
-/// Copies the mesh to `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles]; either may be NULL.
+/// Copies the mesh to `vertices` [dim * n_vertices] and `triangles` [dim * n_triangles], in the plane the segments; either may be NULL.
 ///
 /// The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for other counts. Threads: any. Cost: a copy.
 #[unsafe(no_mangle)]
@@ -98,18 +113,30 @@ pub unsafe extern "C" fn ko_mesh_copy(
     guard(|| {
         // SAFETY: the header asks for a mesh.
         let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
-        check_count("n_vertices", n_vertices, mesh.vertices().len())?;
-        check_count("n_triangles", n_triangles, mesh.triangles().len())?;
-        // SAFETY: the header asks for NULL or an array of this length.
-        if let Some(to) = unsafe { wanted(vertices.cast::<[f64; 3]>(), n_vertices, "vertices") }? {
-            to.copy_from_slice(mesh.vertices());
-        }
-        // SAFETY: as above.
-        if let Some(to) = unsafe { wanted(triangles.cast::<[u32; 3]>(), n_triangles, "triangles") }? {
-            to.copy_from_slice(mesh.triangles());
-        }
-        Ok(())
+        // SAFETY: the header asks for NULL or arrays of these lengths.
+        in_its_dimension!(mesh, mesh => unsafe { copy(mesh, [n_vertices, n_triangles], vertices, triangles) })
     })
+}
+
+/// # Safety
+/// `vertices` and `facets` are NULL or arrays of D times these counts, used by no one else.
+unsafe fn copy<const D: usize>(
+    mesh: &Mesh<D>,
+    [n_vertices, n_facets]: [usize; 2],
+    vertices: *mut f64,
+    facets: *mut u32,
+) -> Result<()> {
+    check_count("n_vertices", n_vertices, mesh.vertices().len())?;
+    check_count("n_triangles", n_facets, mesh.facets().len())?;
+    // SAFETY: the caller's promise.
+    if let Some(to) = unsafe { wanted(vertices.cast::<[f64; D]>(), n_vertices, "vertices") }? {
+        to.copy_from_slice(mesh.vertices());
+    }
+    // SAFETY: as above.
+    if let Some(to) = unsafe { wanted(facets.cast::<[u32; D]>(), n_facets, "triangles") }? {
+        to.copy_from_slice(mesh.facets());
+    }
+    Ok(())
 }
 
 /// Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
@@ -125,12 +152,15 @@ pub unsafe extern "C" fn ko_mesh_get_report(
     guard(|| {
         // SAFETY: the header asks for a mesh.
         let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
-        // SAFETY: the header asks for a struct of this size.
-        unsafe { ko_mesh_report::write(report, struct_size, &mesh.report()?) }
+        match mesh {
+            OfDimension::Plane(_) => Err(Error::Unsupported("reports are of meshes in space so far".into())),
+            // SAFETY: the header asks for a struct of this size.
+            OfDimension::Space(mesh) => unsafe { ko_mesh_report::write(report, struct_size, &mesh.report()?) },
+        }
     })
 }
 
-/// Turns every triangle over, so that an inside-out solid becomes a solid.
+/// Turns every triangle, in the plane every segment, over, so that an inside-out solid becomes a solid.
 ///
 /// Errors: KO_ERR_INVALID_ARGUMENT for NULL. No other thread may be using the mesh. Cost: O(n_triangles).
 #[unsafe(no_mangle)]
@@ -138,7 +168,7 @@ pub unsafe extern "C" fn ko_mesh_flip(mesh: *mut ko_mesh) -> i32 {
     guard(|| {
         // SAFETY: the header asks for a mesh that no one else uses.
         let ko_mesh(mesh) = unsafe { place(mesh, "mesh") }?;
-        mesh.flip();
+        in_its_dimension!(mesh, mesh => mesh.flip());
         Ok(())
     })
 }
@@ -160,14 +190,19 @@ pub unsafe extern "C" fn ko_mesh_sample(
         let make = || {
             // SAFETY: the header asks for a mesh.
             let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
-            Ok(ko_cloud(mesh.sample(n_points, seed)?))
+            Ok(ko_cloud(match mesh {
+                OfDimension::Plane(_) => {
+                    return Err(Error::Unsupported("only meshes in space are sampled so far".into()));
+                }
+                OfDimension::Space(mesh) => OfDimension::Space(mesh.sample(n_points, seed)?),
+            }))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(cloud, "cloud", make) }
     })
 }
 
-/// Exact signed distances of `points` [3 * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
+/// Exact signed distances of `points` [dim * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
 ///
 /// The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
@@ -183,10 +218,12 @@ pub unsafe extern "C" fn ko_mesh_signed_distance(
         // SAFETY: the header asks for a mesh.
         let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
         // SAFETY: the header asks for arrays of these lengths.
-        let points = unsafe { array(points.cast::<[f64; 3]>(), n_points, "points") }?;
-        // SAFETY: as above.
         let distances = unsafe { array_mut(distances, n_points, "distances") }?;
-        mesh.distance_tree()?.signed_distances(points, distances)
+        in_its_dimension!(mesh, mesh => {
+            // SAFETY: as above.
+            let points = unsafe { array(points.cast(), n_points, "points") }?;
+            mesh.distance_tree()?.signed_distances(points, distances)
+        })
     })
 }
 

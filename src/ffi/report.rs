@@ -5,6 +5,7 @@ use super::pointer::{Sized_, write_sized};
 use crate::Result;
 use crate::field::{Feasible, Field};
 use crate::geometry::MeshReport;
+use crate::spline::Axis;
 
 /// What can be said of a mesh. Filled by `ko_mesh_get_report`.
 #[allow(non_camel_case_types)]
@@ -63,13 +64,13 @@ impl ko_mesh_report {
         let report = ko_mesh_report {
             struct_size: size,
             n_vertices: r.n_vertices as u64,
-            n_triangles: r.n_triangles as u64,
+            n_triangles: r.n_facets as u64,
             n_components: r.components as u64,
             n_boundary_edges: r.boundary_edges as u64,
             n_non_manifold_edges: r.non_manifold_edges as u64,
             n_non_manifold_vertices: r.non_manifold_vertices as u64,
-            n_degenerate: r.degenerate_triangles as u64,
-            n_duplicate: r.duplicate_triangles as u64,
+            n_degenerate: r.degenerate_facets as u64,
+            n_duplicate: r.duplicate_facets as u64,
             n_unreferenced: r.unreferenced_vertices as u64,
             closed: i32::from(r.closed),
             oriented: i32::from(r.oriented),
@@ -92,7 +93,7 @@ impl ko_mesh_report {
 pub struct ko_fit_report {
     /// sizeof(ko_fit_report) as the caller knows it.
     pub struct_size: usize,
-    /// 3.
+    /// 2 in the plane, where entries along z are 0; 3 in space.
     pub dim: u32,
     /// KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE.
     pub feasible: i32,
@@ -138,12 +139,13 @@ const _: () = assert!(size_of::<ko_fit_report>() == <ko_fit_report as Sized_>::F
 impl ko_fit_report {
     /// # Safety
     /// `to` is NULL or points to `size` writable bytes.
-    pub(super) unsafe fn write(to: *mut Self, size: usize, field: &Field) -> Result<()> {
+    pub(super) unsafe fn write<const D: usize>(to: *mut Self, size: usize, field: &Field<D>) -> Result<()> {
         let r = field.report();
-        let axes = &field.grid().axes;
+        // In the plane what belongs to z is 0.
+        let along = |f: fn(&Axis) -> f64| [0, 1, 2].map(|a| field.grid().axes.get(a).map_or(0.0, f));
         let report = ko_fit_report {
             struct_size: size,
-            dim: 3,
+            dim: D as u32,
             feasible: match field.feasible() {
                 Feasible::Outside => KO_FEASIBLE_OUTSIDE,
                 Feasible::Inside => KO_FEASIBLE_INSIDE,
@@ -153,8 +155,8 @@ impl ko_fit_report {
             n_unknowns: r.n_unknowns,
             n_points: r.n_points,
             bytes: field.bytes() as u64,
-            box_min: axes.map(|a| a.lower),
-            box_max: axes.map(|a| a.upper()),
+            box_min: along(|a| a.lower),
+            box_max: along(Axis::upper),
             diagonal: field.diagonal(),
             residual: r.residual,
             seconds_assembly: r.seconds_assembly,

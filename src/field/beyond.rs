@@ -16,7 +16,7 @@
 
 use super::Field;
 use crate::geometry::vec::norm;
-use crate::spline::kernel::Stencil;
+use crate::spline::kernel::Hessian;
 
 /// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.
 const REACH: f64 = 0.25;
@@ -36,11 +36,13 @@ pub struct Beyond {
     length: f64,
 }
 
-/// Value, gradient and Hessian (xx xy xz yy yz zz).
-pub type Jet = (f64, [f64; 3], [f64; 6]);
+/// Value, gradient and Hessian.
+pub type Jet<const D: usize> = (f64, [f64; D], Hessian<D>);
 
-/// Row and column of each entry of a packed Hessian.
-const PACKED: [(usize, usize); 6] = [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)];
+/// The matrix of `entry`(row, column).
+fn matrix<const D: usize>(entry: impl Fn(usize, usize) -> f64) -> Hessian<D> {
+    std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
+}
 
 /// How one coordinate is bent: derivatives of s and e with respect to t, e itself.
 #[derive(Clone, Copy, Default)]
@@ -52,11 +54,11 @@ struct Bend {
     dde: f64,
 }
 
-impl Field {
+impl<const D: usize> Field<D> {
     /// The continuation at a point given in cells, outside the box along one axis at least.
     #[cold]
-    pub(super) fn continued(&self, xi: [f64; 3]) -> Jet {
-        let mut bends = [Bend { ds: 1.0, ..Bend::default() }; 3];
+    pub(super) fn continued(&self, xi: [f64; D]) -> Jet<D> {
+        let mut bends = [Bend { ds: 1.0, ..Bend::default() }; D];
         let mut bent = xi;
         for (a, axis) in self.grid.axes.iter().enumerate() {
             let face = xi[a].clamp(0.0, axis.n_cells as f64);
@@ -79,18 +81,24 @@ impl Field {
 
     /// How a field of these control points goes on, from its values at the corners of all cells on the faces.
     pub(super) fn look_at_faces(&self) -> Beyond {
-        let n = self.grid.axes.map(|a| a.n_cells);
+        let n = self.grid.n_cells();
         let (mut total, mut size, mut count) = (0.0, 0.0, 0.0);
-        for i in 0..=n[0] {
-            for j in 0..=n[1] {
-                let inner = i > 0 && i < n[0] && j > 0 && j < n[1];
-                for k in (0..=n[2]).step_by(if inner { n[2] } else { 1 }) {
-                    let (stencil, u) = self.grid.stencil([i, j, k].map(|x| x as f64));
-                    let value = stencil.value(&self.coefficients, u);
-                    total += value;
-                    size += value.abs();
-                    count += 1.0;
-                }
+        // Lines along the last axis: of those inside, only the ends.
+        let n_lines = n[..D - 1].iter().map(|n| n + 1).product::<usize>();
+        for line in 0..n_lines {
+            let mut corner = [0; D];
+            let mut rest = line;
+            for a in (0..D - 1).rev() {
+                (corner[a], rest) = (rest % (n[a] + 1), rest / (n[a] + 1));
+            }
+            let inner = (0..D - 1).all(|a| corner[a] > 0 && corner[a] < n[a]);
+            for k in (0..=n[D - 1]).step_by(if inner { n[D - 1] } else { 1 }) {
+                corner[D - 1] = k;
+                let (stencil, u) = self.grid.stencil(corner.map(|x| x as f64));
+                let value = stencil.value(&self.coefficients, u);
+                total += value;
+                size += value.abs();
+                count += 1.0;
             }
         }
         let extents = self.grid.axes.map(|a| a.upper() - a.lower);
@@ -105,16 +113,15 @@ impl Field {
     }
 
     /// Jet of P(x_face + s(t)).
-    fn bent_polynomial(&self, bent: [f64; 3], bends: &[Bend; 3]) -> Jet {
-        let (stencil, u): (Stencil, _) = self.grid.stencil(bent);
+    fn bent_polynomial(&self, bent: [f64; D], bends: &[Bend; D]) -> Jet<D> {
+        let (stencil, u) = self.grid.stencil(bent);
         let (value, g, h) = stencil.value_gradient_hessian(&self.coefficients, u);
         let per_cell = self.grid.axes.map(|a| 1.0 / a.cell);
         let slope = |a: usize| per_cell[a] * bends[a].ds;
         let gradient = std::array::from_fn(|a| g[a] * slope(a));
-        let hessian = std::array::from_fn(|p| {
-            let (a, b) = PACKED[p];
+        let hessian = matrix(|a, b| {
             let own = if a == b { g[a] * per_cell[a] * bends[a].dds } else { 0.0 };
-            h[p] * slope(a) * slope(b) + own
+            h[a][b] * slope(a) * slope(b) + own
         });
         (value, gradient, hessian)
     }
@@ -137,17 +144,16 @@ fn bend(tau: f64, l: f64) -> Bend {
 }
 
 /// Jet of r = |e|; zero, as its limit, where e is.
-fn escape(bends: &[Bend; 3]) -> Jet {
+fn escape<const D: usize>(bends: &[Bend; D]) -> Jet<D> {
     let largest = bends.iter().fold(0.0, |m: f64, b| m.max(b.e.abs()));
     if largest == 0.0 {
-        return (0.0, [0.0; 3], [0.0; 6]);
+        return constant(0.0);
     }
     // Divided by the largest first: the square of a far coordinate overflows.
     let length = largest * bends.iter().map(|b| (b.e / largest).powi(2)).sum::<f64>().sqrt();
-    let unit: [f64; 3] = std::array::from_fn(|a| bends[a].e / length);
-    let gradient: [f64; 3] = std::array::from_fn(|a| unit[a] * bends[a].de);
-    let hessian = std::array::from_fn(|p| {
-        let (a, b) = PACKED[p];
+    let unit: [f64; D] = std::array::from_fn(|a| bends[a].e / length);
+    let gradient: [f64; D] = std::array::from_fn(|a| unit[a] * bends[a].de);
+    let hessian = matrix(|a, b| {
         let own = if a == b { bends[a].de * bends[a].de / length + unit[a] * bends[a].dde } else { 0.0 };
         own - gradient[a] * gradient[b] / length
     });
@@ -155,25 +161,25 @@ fn escape(bends: &[Bend; 3]) -> Jet {
 }
 
 /// Jet of a constant.
-fn constant(value: f64) -> Jet {
-    (value, [0.0; 3], [0.0; 6])
+fn constant<const D: usize>(value: f64) -> Jet<D> {
+    (value, [0.0; D], [[0.0; D]; D])
 }
 
 /// Jet of f(p) from the jet of p and f, f', f'' there.
-fn compose((_, g, h): Jet, [value, first, second]: [f64; 3]) -> Jet {
-    let hessian = std::array::from_fn(|p| first * h[p] + second * g[PACKED[p].0] * g[PACKED[p].1]);
+fn compose<const D: usize>((_, g, h): Jet<D>, [value, first, second]: [f64; 3]) -> Jet<D> {
+    let hessian = matrix(|a, b| first * h[a][b] + second * g[a] * g[b]);
     (value, g.map(|g| first * g), hessian)
 }
 
 /// Jet of tanh(p / h).
-fn tanh(p: Jet, h: f64) -> Jet {
+fn tanh<const D: usize>(p: Jet<D>, h: f64) -> Jet<D> {
     let value = (p.0 / h).tanh();
     let first = (1.0 - value * value) / h;
     compose(p, [value, first, -2.0 * value * first / h])
 }
 
 /// Jet of L^2 / (L^2 + r^2).
-fn fading(r: Jet, length: f64) -> Jet {
+fn fading<const D: usize>(r: Jet<D>, length: f64) -> Jet<D> {
     let x = r.0 / length;
     let q = 1.0 / (1.0 + x * x);
     // By q x, which stays small where x^2 overflows and q is 0.
@@ -182,15 +188,12 @@ fn fading(r: Jet, length: f64) -> Jet {
 }
 
 /// Jet of a product.
-fn product((v, g, h): Jet, (w, k, m): Jet) -> Jet {
-    let hessian = std::array::from_fn(|p| {
-        let (a, b) = PACKED[p];
-        h[p] * w + g[a] * k[b] + g[b] * k[a] + v * m[p]
-    });
+fn product<const D: usize>((v, g, h): Jet<D>, (w, k, m): Jet<D>) -> Jet<D> {
+    let hessian = matrix(|a, b| h[a][b] * w + g[a] * k[b] + g[b] * k[a] + v * m[a][b]);
     (v * w, std::array::from_fn(|a| g[a] * w + v * k[a]), hessian)
 }
 
 /// Jet of a sum.
-fn sum((v, g, h): Jet, (w, k, m): Jet) -> Jet {
-    (v + w, std::array::from_fn(|a| g[a] + k[a]), std::array::from_fn(|p| h[p] + m[p]))
+fn sum<const D: usize>((v, g, h): Jet<D>, (w, k, m): Jet<D>) -> Jet<D> {
+    (v + w, std::array::from_fn(|a| g[a] + k[a]), matrix(|a, b| h[a][b] + m[a][b]))
 }

@@ -19,7 +19,7 @@ use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
 use crate::geometry::neighbours::{Neighbour, Neighbours};
-use crate::geometry::vec::{Vec3, dot, sub};
+use crate::geometry::vec::{dot, sub};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::centers::{Centers, taps};
@@ -38,15 +38,15 @@ pub struct FarDistances {
 impl FarDistances {
     /// The distances to `cloud`, positive where its normals point to, at the centres of the cells of `grid`; both in units of D.
     /// `tell` is told the fraction done, and may stop.
-    pub fn new(cloud: Cloud, grid: &Grid, workers: &Workers, mut tell: impl FnMut(f64) -> Result<()>) -> Result<Self> {
+    pub fn new<const D: usize>(
+        cloud: Cloud<D>,
+        grid: &Grid<D>,
+        workers: &Workers,
+        mut tell: impl FnMut(f64) -> Result<()>,
+    ) -> Result<Self> {
         const CHUNK: usize = 1024;
         const ROUND: usize = 32;
-        let n_cells = grid.axes.map(|a| a.n_cells);
-        let n = n_cells.iter().product();
-        let center = |c: usize| -> Vec3 {
-            let index = [c / (n_cells[1] * n_cells[2]), c / n_cells[2] % n_cells[1], c % n_cells[2]];
-            std::array::from_fn(|a| grid.axes[a].lower + (index[a] as f64 + 0.5) * grid.axes[a].cell)
-        };
+        let n = grid.n_cells().iter().product();
         // Copies of a point have no room between them, and their surfels no area.
         let cloud = cloud.without_copies()?;
         let points = Neighbours::new(cloud.points())?;
@@ -60,7 +60,7 @@ impl FarDistances {
             tell(done as f64 / n as f64)?;
             workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
                 for (i, (d, s)) in distance.iter_mut().zip(share).enumerate() {
-                    let x = center(chunk * CHUNK + i);
+                    let x = center(grid, chunk * CHUNK + i);
                     let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
                     points.nearest(x, |_| true, &mut nearest);
                     *d = nearest[0].distance_squared.sqrt();
@@ -83,6 +83,16 @@ impl FarDistances {
     }
 }
 
+/// The centre of cell `c`.
+fn center<const D: usize>(grid: &Grid<D>, mut c: usize) -> [f64; D] {
+    let mut x = [0.0; D];
+    for (x, axis) in x.iter_mut().zip(&grid.axes).rev() {
+        *x = axis.lower + ((c % axis.n_cells) as f64 + 0.5) * axis.cell;
+        c /= axis.n_cells;
+    }
+    x
+}
+
 /// t: -1 where three quarters of the places outside, where W is about 0, lie behind the normals nearest to them; 1 elsewhere. Each `far`
 /// place comes as its distance, signed by the nearest normal, and W. One normal errs beyond a sharp edge; most do not.
 fn turn<'a>(far: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
@@ -93,20 +103,22 @@ fn turn<'a>(far: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
 }
 
 /// The term on one grid: sum of mass (phi - d)^2 over the centres of cells.
-pub struct DistanceTerm {
-    centers: Centers,
+pub struct DistanceTerm<const D: usize = 3> {
+    centers: Centers<D>,
     /// lambda_d share [cells]
     mass: Vec<f64>,
+    /// d, in units of D [cells]
+    distance: Vec<f64>,
     values: Vec<f64>,
 }
 
-impl DistanceTerm {
+impl<const D: usize> DistanceTerm<D> {
     /// The term with weight `lambda_d` on `grid`.
-    pub fn new(far: &FarDistances, grid: &Grid, lambda_d: f64) -> Result<Self> {
-        let mut mass = try_vec(far.share.len(), 0.0, "the weights of the far distances")?;
-        mass.iter_mut().zip(&far.share).for_each(|(m, s)| *m = lambda_d * s);
+    pub fn new(far: FarDistances, grid: &Grid<D>, lambda_d: f64) -> Result<Self> {
+        let FarDistances { share: mut mass, distance } = far;
+        mass.iter_mut().for_each(|m| *m *= lambda_d);
         let values = try_vec(mass.len(), 0.0, "the far values")?;
-        Ok(DistanceTerm { centers: Centers::new(grid)?, mass, values })
+        Ok(DistanceTerm { centers: Centers::new(grid)?, mass, distance, values })
     }
 
     /// y += (the term's matrix) x
@@ -117,8 +129,8 @@ impl DistanceTerm {
     }
 
     /// y += the right-hand side that asks for `sign` d.
-    pub fn add_right_hand_side(&mut self, far: &FarDistances, sign: f64, y: &mut [f64]) {
-        for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&far.distance) {
+    pub fn add_right_hand_side(&mut self, sign: f64, y: &mut [f64]) {
+        for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&self.distance) {
             *v = m * sign * d;
         }
         self.centers.scatter(&taps(), &self.values, y);

@@ -1,6 +1,7 @@
 //! The box of a field and its cells: steps 2 and 3 of paper 000's Algorithm 1.
 
 use crate::geometry::Bounds;
+use crate::geometry::vec::text;
 use crate::spline::{Axis, Grid};
 use crate::{Error, Result};
 
@@ -11,12 +12,12 @@ const THINNEST: f64 = 0.05;
 const DIAGONALS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
 
 /// D of a cloud, checked to be a usable unit of length.
-pub fn diagonal(bounds: &Bounds) -> Result<f64> {
+pub fn diagonal<const D: usize>(bounds: &Bounds<D>) -> Result<f64> {
     let d = bounds.diagonal();
     if d == 0.0 {
-        let [x, y, z] = bounds.min;
+        let place = text(&bounds.min);
         return Err(Error::Degenerate(format!(
-            "all points are at ({x}, {y}, {z}); points that are apart are needed to give the field a scale"
+            "all points are at {place}; points that are apart are needed to give the field a scale"
         )));
     }
     if !DIAGONALS.contains(&d) {
@@ -29,7 +30,12 @@ pub fn diagonal(bounds: &Bounds) -> Result<f64> {
 
 /// The grid for points within `bounds`, in the caller's units. Counts of 0 in `control_points` are chosen so that cells are close to
 /// cubes and at most `target` control points are used, unless the counts asked for leave no room for that.
-pub fn grid(bounds: &Bounds, margin: f64, control_points: [u32; 3], target: usize) -> Result<Grid> {
+pub fn grid<const D: usize>(
+    bounds: &Bounds<D>,
+    margin: f64,
+    control_points: [u32; D],
+    target: usize,
+) -> Result<Grid<D>> {
     let d = diagonal(bounds)?;
     let extents = bounds.extents().map(|e| e.max(THINNEST * d) * (1.0 + margin));
     let center = bounds.center();
@@ -43,8 +49,8 @@ pub fn grid(bounds: &Bounds, margin: f64, control_points: [u32; 3], target: usiz
 }
 
 /// Cells along each axis: those asked for, else the finest near-cubes that keep within `target`.
-fn cells(extents: [f64; 3], control_points: [u32; 3], target: usize) -> [usize; 3] {
-    let at = |edge: f64| -> [usize; 3] {
+fn cells<const D: usize>(extents: [f64; D], control_points: [u32; D], target: usize) -> [usize; D] {
+    let at = |edge: f64| -> [usize; D] {
         std::array::from_fn(|a| match control_points[a] {
             0 => ((extents[a] / edge).round() as usize).max(1),
             n => n as usize - 3,

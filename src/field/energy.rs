@@ -1,17 +1,16 @@
 //! The energy that a field minimises, paper 000 (10), as a quadratic form on the control points of one grid.
 //!
 //! ```text
-//! f(c) = (1/N) sum phi(p)^2 + (lambda_n/N) sum |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV + lambda_d E_d
+//! f(c) = sum m phi(p)^2 + lambda_n sum m |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV + lambda_d E_d
 //! ```
 //!
-//! all in units of D; s is 1 where the design may be outside and -1 where it may be inside, E_d is (9) kept away from the surface: see
+//! all in units of D; m is 1/N, or the share of a point that counts for more or less than others; s is 1 where the design may be outside and -1 where it may be inside, E_d is (9) kept away from the surface: see
 //! [`distance`](super::distance). Half its gradient is A c - b.
 
 use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};
 use super::smoothness::Smoothness;
 use crate::error::try_vec;
-use crate::geometry::vec::Vec3;
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::{Error, Result};
@@ -26,33 +25,33 @@ pub struct EnergyWeights {
 }
 
 /// The form on one grid.
-pub struct Energy {
+pub struct Energy<const D: usize = 3> {
     /// In units of D.
-    grid: Grid,
+    grid: Grid<D>,
     weights: EnergyWeights,
-    data: DataTerm,
+    data: DataTerm<D>,
     smoothness: Smoothness,
     /// `None` where the energy is the paper's.
-    distance: Option<DistanceTerm>,
+    distance: Option<DistanceTerm<D>>,
 }
 
-impl Energy {
+impl<const D: usize> Energy<D> {
     /// The form on `grid`, in units of D, for `data` in its cells.
-    pub fn new(data: Data, grid: Grid, weights: EnergyWeights) -> Result<Self> {
+    pub fn new(data: Data<D>, grid: Grid<D>, weights: EnergyWeights) -> Result<Self> {
         let data = DataTerm::new(data, grid, weights.normal);
         let smoothness = Smoothness::new(&grid, weights.smooth)?;
         Ok(Energy { grid, weights, data, smoothness, distance: None })
     }
 
-    /// The form with the distance term for `far`, with weight `relative` lambda_r / h^4.
-    pub fn with_distances(mut self, far: &FarDistances, relative: f64) -> Result<Self> {
+    /// Adds the distance term for `far`, with weight `relative` lambda_r / h^4.
+    pub fn hold(&mut self, far: FarDistances, relative: f64) -> Result<()> {
         let lambda_d = relative * self.weights.smooth / self.grid.longest_cell().powi(4);
         self.distance = Some(DistanceTerm::new(far, &self.grid, lambda_d)?);
-        Ok(self)
+        Ok(())
     }
 
     /// The grid, in units of D.
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &Grid<D> {
         &self.grid
     }
 
@@ -61,46 +60,37 @@ impl Energy {
         self.smoothness.reserve()
     }
 
-    /// Control points along each axis.
-    pub fn shape(&self) -> [usize; 3] {
-        self.grid.shape()
+    /// The data terms.
+    pub fn data(&self) -> &DataTerm<D> {
+        &self.data
     }
 
-    /// Points of the data.
-    pub fn n_points(&self) -> usize {
-        self.data.n_points()
+    /// The data terms, to be weighed anew.
+    pub fn data_mut(&mut self) -> &mut DataTerm<D> {
+        &mut self.data
     }
 
-    /// First-order distances of the points to the surface: see [`DataTerm::distances`].
-    pub fn distances(&self, workers: &Workers, x: &[f64], flattest: f64, distances: &mut [f64]) {
-        self.data.distances(workers, x, flattest, distances);
+    /// Multiplies lambda_r by `factor`, in the smoothness alone.
+    pub fn smoothen(&mut self, factor: f64) {
+        self.smoothness.scale(factor);
     }
 
-    /// Multiplies what the value of each point counts for by a factor of its own.
-    pub fn reweight(&mut self, factors: &[f64]) {
-        self.data.reweight(factors);
-    }
-
-    /// b, for gradients `sign` n at the points, those of `normals` [N x 3] in `order`.
-    pub fn right_hand_side(&self, workers: &Workers, normals: &[Vec3], order: &[u32], sign: f64) -> Result<Vec<f64>> {
+    /// b, for gradients `sign` n at the points and distances `sign` d away from them.
+    pub fn right_hand_side(&mut self, workers: &Workers, sign: f64) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
-        self.data.add_right_hand_side(workers, normals, order, sign, &mut b);
+        self.data.add_right_hand_side(workers, sign, &mut b);
         // What one point adds where no other is near; normals that cancel out leave rounding of it.
         let shortest = self.grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
-        let one = self.weights.normal / (self.n_points() as f64 * shortest);
+        let one = self.weights.normal / (self.data.n_points() as f64 * shortest);
         if b.iter().all(|b| b.abs() <= 1e-12 * one) {
             let text =
                 "the normals cancel out, so that the surface has no outer side; normals out of the solid are needed";
             return Err(Error::Degenerate(text.into()));
         }
-        Ok(b)
-    }
-
-    /// b += the part of the distance term for `far`, with distances `sign` d.
-    pub fn add_distances(&mut self, far: &FarDistances, sign: f64, b: &mut [f64]) {
-        if let Some(term) = &mut self.distance {
-            term.add_right_hand_side(far, sign, b);
+        if let Some(distance) = &mut self.distance {
+            distance.add_right_hand_side(sign, &mut b);
         }
+        Ok(b)
     }
 
     /// The diagonal of A.

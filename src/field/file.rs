@@ -5,7 +5,7 @@
 //! ```text
 //!   0  magic, 8 bytes: 89 4B 4F 46 0D 0A 1A 0A; the line ends tell a transfer that changed them
 //!   8  u32 version, 1
-//!  12  u32 dimension, 3
+//!  12  u32 dimension, 2 or 3; in the plane what is said of z below is 0
 //!  16  u32 control points along x, y, z
 //!  28  u32 feasible side: 0 outside, 1 inside
 //!  32  f64 lower corner of the box x, y, z
@@ -13,14 +13,15 @@
 //!  80  f64 diagonal D of the cloud
 //!  88  u64 points of the cloud
 //!  96  u32 iterations
-//! 100  u32 zero
+//! 100  u32 outliers that a robust fit left out
 //! 104  f64 residual; seconds of assembly, solve, check; rms, max, mean gradient at the points
-//! 160  f64 control points, row-major, z contiguous
+//! 160  f64 control points, row-major, the last axis contiguous
 //! end  u32 CRC-32 (IEEE 802.3) of all before
 //! ```
 
 use super::{Feasible, Field, FitReport};
 use crate::Result;
+use crate::dimension::OfDimension;
 use crate::error::{Error, Place, try_with_capacity};
 use crate::spline::{Axis, Grid};
 use std::fs::{self, File};
@@ -32,7 +33,7 @@ const VERSION: u32 = 1;
 const HEADER: usize = 160;
 const CHECKSUM: usize = 4;
 
-impl Field {
+impl<const D: usize> Field<D> {
     /// Writes the field to `path`. What stood there is replaced whole or, on failure, left as it was.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
         let path = path.as_ref();
@@ -61,46 +62,15 @@ impl Field {
         })
     }
 
-    /// Reads a field that [`Field::save`] wrote. It evaluates to the same bits.
-    pub fn load(path: impl AsRef<Path>) -> Result<Field> {
+    /// [`load`], for a field whose dimension is known.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let io_error = |e: io::Error| Error::io(path, &e);
-        let wrong = |place, message| Error::Format { path: path.to_owned(), place, message };
-        let mut file = File::open(path).map_err(io_error)?;
-        let mut header = Vec::with_capacity(HEADER);
-        (&mut file).take(HEADER as u64).read_to_end(&mut header).map_err(io_error)?;
-        let fields = parse_header(&header).map_err(|(place, message)| wrong(place, message))?;
-
-        // The header's counts are believed only as far as the file is long.
-        let n = fields.grid.axes.iter().map(|a| a.n_control() as u128).product::<u128>();
-        let expected = HEADER as u128 + 8 * n + CHECKSUM as u128;
-        let length = u128::from(file.metadata().map_err(io_error)?.len());
-        if length != expected {
-            let message =
-                format!("the file has {length} bytes; its header announces {expected}: it is cut short or altered");
-            return Err(wrong(Place::Whole, message));
+        let (header, coefficients) = read(path)?;
+        if header.dimension == D {
+            return Ok(header.field(coefficients));
         }
-        let mut rest = try_with_capacity(expected as usize - HEADER, "the control points of the file")?;
-        file.take(expected as u64).read_to_end(&mut rest).map_err(io_error)?;
-        let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|(c, _)| c.len() as u128 == 8 * n)
-        else {
-            return Err(wrong(Place::Whole, "the file changed while it was read".into()));
-        };
-        let mut crc = crc32fast::Hasher::new();
-        crc.update(&header);
-        crc.update(numbers);
-        let (found, stored) = (crc.finalize(), u32::from_le_bytes(*checksum));
-        if found != stored {
-            let message = format!("the checksum is {found:08x} where {stored:08x} is stored: the file is altered");
-            return Err(wrong(Place::Whole, message));
-        }
-        let mut coefficients = try_with_capacity(n as usize, "the control points")?;
-        coefficients.extend(numbers.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
-        if let Some(i) = coefficients.iter().position(|c| !c.is_finite()) {
-            let message = format!("control point {i} is {}; it must be finite", coefficients[i]);
-            return Err(wrong(Place::Byte(HEADER + 8 * i), message));
-        }
-        Ok(Field::new(fields.grid, coefficients, fields.feasible, fields.diagonal, fields.report))
+        let message = format!("the field has dimension {}; {D} is asked for", header.dimension);
+        Err(Error::Format { path: path.to_owned(), place: Place::Byte(12), message })
     }
 
     fn write_to(&self, file: File) -> io::Result<()> {
@@ -125,26 +95,76 @@ impl Field {
 
     fn header(&self) -> Vec<u8> {
         let r = &self.report;
-        let axes = &self.grid.axes;
+        // In the plane what belongs to z is 0.
+        let along = |f: fn(&Axis) -> f64| [0, 1, 2].map(|a| self.grid.axes.get(a).map_or(0.0, f));
         let side = match self.feasible {
             Feasible::Outside => 0u32,
             Feasible::Inside => 1,
         };
         let mut h = Vec::with_capacity(HEADER);
         h.extend(MAGIC);
-        h.extend([VERSION, 3].iter().flat_map(|x| x.to_le_bytes()));
-        h.extend(axes.iter().flat_map(|a| (a.n_control() as u32).to_le_bytes()));
+        h.extend([VERSION, D as u32].iter().flat_map(|x| x.to_le_bytes()));
+        h.extend(r.control_points.iter().flat_map(|n| n.to_le_bytes()));
         h.extend(side.to_le_bytes());
-        h.extend(axes.iter().flat_map(|a| a.lower.to_le_bytes()));
-        h.extend(axes.iter().flat_map(|a| a.cell.to_le_bytes()));
+        h.extend(along(|a| a.lower).iter().chain(&along(|a| a.cell)).flat_map(|x| x.to_le_bytes()));
         h.extend(self.diagonal.to_le_bytes());
         h.extend(r.n_points.to_le_bytes());
-        h.extend([r.iterations, 0].iter().flat_map(|x| x.to_le_bytes()));
+        h.extend([r.iterations, u32::try_from(r.n_outliers).unwrap_or(u32::MAX)].iter().flat_map(|x| x.to_le_bytes()));
         let figures = [r.residual, r.seconds_assembly, r.seconds_solve, r.seconds_check, r.rms, r.max, r.mean_gradient];
         h.extend(figures.iter().flat_map(|x| x.to_le_bytes()));
         debug_assert_eq!(h.len(), HEADER);
         h
     }
+}
+
+/// Reads a field that [`Field::save`] wrote, of the dimension that the file tells. It evaluates to the same bits.
+pub fn load(path: impl AsRef<Path>) -> Result<OfDimension<Field<2>, Field<3>>> {
+    let (header, coefficients) = read(path.as_ref())?;
+    Ok(match header.dimension {
+        2 => OfDimension::Plane(header.field(coefficients)),
+        _ => OfDimension::Space(header.field(coefficients)),
+    })
+}
+
+/// The header and the control points of the file at `path`.
+fn read(path: &Path) -> Result<(Header, Vec<f64>)> {
+    let io_error = |e: io::Error| Error::io(path, &e);
+    let wrong = |place, message| Error::Format { path: path.to_owned(), place, message };
+    let mut file = File::open(path).map_err(io_error)?;
+    let mut header = Vec::with_capacity(HEADER);
+    (&mut file).take(HEADER as u64).read_to_end(&mut header).map_err(io_error)?;
+    let fields = parse_header(&header).map_err(|(place, message)| wrong(place, message))?;
+
+    // The header's counts are believed only as far as the file is long.
+    let n = fields.control_points[..fields.dimension].iter().map(|&n| u128::from(n)).product::<u128>();
+    let expected = HEADER as u128 + 8 * n + CHECKSUM as u128;
+    let length = u128::from(file.metadata().map_err(io_error)?.len());
+    if length != expected {
+        let message =
+            format!("the file has {length} bytes; its header announces {expected}: it is cut short or altered");
+        return Err(wrong(Place::Whole, message));
+    }
+    let mut rest = try_with_capacity(expected as usize - HEADER, "the control points of the file")?;
+    file.take(expected as u64).read_to_end(&mut rest).map_err(io_error)?;
+    let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|(c, _)| c.len() as u128 == 8 * n)
+    else {
+        return Err(wrong(Place::Whole, "the file changed while it was read".into()));
+    };
+    let mut crc = crc32fast::Hasher::new();
+    crc.update(&header);
+    crc.update(numbers);
+    let (found, stored) = (crc.finalize(), u32::from_le_bytes(*checksum));
+    if found != stored {
+        let message = format!("the checksum is {found:08x} where {stored:08x} is stored: the file is altered");
+        return Err(wrong(Place::Whole, message));
+    }
+    let mut coefficients = try_with_capacity(n as usize, "the control points")?;
+    coefficients.extend(numbers.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
+    if let Some(i) = coefficients.iter().position(|c| !c.is_finite()) {
+        let message = format!("control point {i} is {}; it must be finite", coefficients[i]);
+        return Err(wrong(Place::Byte(HEADER + 8 * i), message));
+    }
+    Ok((fields, coefficients))
 }
 
 /// A name beside `target` that no other save uses.
@@ -158,10 +178,24 @@ fn temporary_beside(target: &Path) -> PathBuf {
 
 /// What a header says.
 struct Header {
-    grid: Grid,
+    dimension: usize,
+    control_points: [u32; 3],
+    lower: [f64; 3],
+    cell: [f64; 3],
     feasible: Feasible,
     diagonal: f64,
     report: FitReport,
+}
+
+impl Header {
+    /// The field with these control points, in the header's dimension.
+    fn field<const D: usize>(self, coefficients: Vec<f64>) -> Field<D> {
+        debug_assert_eq!(self.dimension, D);
+        let axis =
+            |a: usize| Axis { lower: self.lower[a], cell: self.cell[a], n_cells: self.control_points[a] as usize - 3 };
+        let grid = Grid { axes: std::array::from_fn(axis) };
+        Field::new(grid, coefficients, self.feasible, self.diagonal, self.report)
+    }
 }
 
 /// Reads little-endian numbers one after the other.
@@ -200,12 +234,12 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         VERSION => {}
         v => return Err((Place::Byte(8), format!("the file has version {v}; this library reads version {VERSION}"))),
     }
-    match at.u32() {
-        3 => {}
-        d => return Err((Place::Byte(12), format!("the field has dimension {d}; this library reads dimension 3"))),
-    }
+    let dimension = match at.u32() {
+        d @ (2 | 3) => d as usize,
+        d => return Err((Place::Byte(12), format!("the field has dimension {d}; it must be 2 or 3"))),
+    };
     let control_points = [at.u32(), at.u32(), at.u32()];
-    if let Some(n) = control_points.iter().find(|&&n| n < 4) {
+    if let Some(n) = control_points[..dimension].iter().find(|&&n| n < 4) {
         return Err((Place::Byte(16), format!("{n} control points along an axis; at least 4 are needed")));
     }
     let feasible = match at.u32() {
@@ -218,24 +252,21 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
     let diagonal = at.f64();
     // Neither the number nor its inverse may leave the range of doubles.
     let usable = |x: f64| x > 0.0 && x.is_normal() && x.recip().is_normal();
-    if !(lower.iter().all(|x| x.is_finite()) && cell.iter().all(|&c| usable(c)) && usable(diagonal)) {
+    if !(lower.iter().all(|x| x.is_finite()) && cell[..dimension].iter().all(|&c| usable(c)) && usable(diagonal)) {
         let message = "the box is not finite, or an edge or the diagonal is no normal number above 0".into();
         return Err((Place::Byte(32), message));
     }
-    let axes =
-        std::array::from_fn(|a| Axis { lower: lower[a], cell: cell[a], n_cells: control_points[a] as usize - 3 });
+    if dimension == 2 && (control_points[2] != 0 || lower[2] != 0.0 || cell[2] != 0.0) {
+        return Err((Place::Byte(16), "the field is of the plane, but has entries along z, which must be 0".into()));
+    }
     let n_points = at.u64();
     let iterations = at.u32();
-    if at.u32() != 0 {
-        return Err((
-            Place::Byte(100),
-            "bytes that must be 0 are not: the file is of a newer version, or altered".into(),
-        ));
-    }
+    let n_outliers = u64::from(at.u32());
     let report = FitReport {
         control_points,
         n_points,
-        n_unknowns: control_points.iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c))),
+        n_unknowns: control_points[..dimension].iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c))),
+        n_outliers,
         iterations,
         residual: at.f64(),
         seconds_assembly: at.f64(),
@@ -245,5 +276,5 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         max: at.f64(),
         mean_gradient: at.f64(),
     };
-    Ok(Header { grid: Grid { axes }, feasible, diagonal, report })
+    Ok(Header { dimension, control_points, lower, cell, feasible, diagonal, report })
 }

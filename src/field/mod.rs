@@ -22,7 +22,8 @@
 //! - Normals point to the feasible side or away from it as [`Feasible`] says; the paper's (6) takes them into the infeasible side.
 //! - Away from the surface phi is held to the distance to the cloud, (9), which the paper states and leaves out, so that its sign is
 //!   right there: [`distance`].
-//! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`].
+//! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`]; or, where the caller
+//!   does not trust the cloud, less: [`robust`].
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations.
 //! - An axis of the box thinner than 0.05 D is widened to that first, so that a flat cloud has a box: [`domain`].
 //! - Outside the box, where the paper's field ends, it is continued: [`beyond`].
@@ -40,23 +41,25 @@ pub mod fit;
 mod options;
 mod report;
 pub mod reweight;
+pub mod robust;
 pub mod smoothness;
 mod system;
 
 use crate::spline::Grid;
 pub use beyond::Beyond;
 pub use eval::Outputs;
-pub use options::{Feasible, FitOptions};
+pub use file::load;
+pub use options::{Feasible, FitOptions, Reweighting};
 pub use report::FitReport;
 
 /// A fitted level-set function.
 #[derive(Debug, Clone)]
-pub struct Field {
+pub struct Field<const D: usize = 3> {
     /// In the caller's units.
-    grid: Grid,
+    grid: Grid<D>,
     /// 1 / cell edge of each axis.
-    per_cell: [f64; 3],
-    /// Row-major, z contiguous, in the caller's unit of length.
+    per_cell: [f64; D],
+    /// Row-major, the last axis contiguous, in the caller's unit of length.
     coefficients: Vec<f64>,
     feasible: Feasible,
     beyond: Beyond,
@@ -65,8 +68,8 @@ pub struct Field {
     report: FitReport,
 }
 
-impl Field {
-    fn new(grid: Grid, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
+impl<const D: usize> Field<D> {
+    fn new(grid: Grid<D>, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
         let per_cell = grid.axes.map(|a| 1.0 / a.cell);
         let beyond = Beyond::default();
         let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
@@ -75,11 +78,11 @@ impl Field {
     }
 
     /// The box, its cells and control points.
-    pub fn grid(&self) -> &Grid {
+    pub fn grid(&self) -> &Grid<D> {
         &self.grid
     }
 
-    /// Control points, row-major, z contiguous.
+    /// Control points, row-major, the last axis contiguous.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
     }
@@ -106,9 +109,11 @@ impl Field {
 
     /// Bytes that the field holds.
     pub fn bytes(&self) -> usize {
-        size_of::<Field>() + self.coefficients.capacity() * size_of::<f64>()
+        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>()
     }
 }
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_plane;

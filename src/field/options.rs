@@ -22,13 +22,24 @@ impl Feasible {
     }
 }
 
+/// What rounds of reweighting are for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reweighting {
+    /// Points that the surface misses count for more: against the largest error, for clouds to be trusted. See
+    /// [`reweight`](super::reweight).
+    Largest,
+    /// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. See
+    /// [`robust`](super::robust).
+    Robust,
+}
+
 /// Rounds of reweighting that a fit may be asked for; a few are all that help.
 const MOST_REWEIGHTINGS: u32 = 100;
 
 /// Options of [`Field::fit`](super::Field::fit). All weights are dimensionless, with lengths in units of the cloud's diagonal D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitOptions {
-    /// Control points along x, y, z, at least 4 each; 0 lets the fit choose: see [`domain`](super::domain).
+    /// Control points along x, y, z, the last ignored in the plane, at least 4 each; 0 lets the fit choose: see [`domain`](super::domain).
     pub control_points: [u32; 3],
     /// How much longer than the cloud the box is along each axis: 0.15 makes it 1.15 times the extents, as in paper 000, section 3.5.
     pub margin: f64,
@@ -39,8 +50,9 @@ pub struct FitOptions {
     /// Weight of the distance energy (9) away from the surface, in units of lambda_r / h^4, h the longest cell edge: see
     /// [`distance`](super::distance). 0 is the paper's fit.
     pub distance_weight: f64,
-    /// Rounds in which points that the surface misses are weighted more, against the largest error: see [`reweight`](super::reweight).
-    /// 0 is the paper's fit.
+    /// What the rounds of reweighting are for.
+    pub reweighting: Reweighting,
+    /// Rounds in which points are weighted anew. 0 is the paper's fit.
     pub reweightings: u32,
     /// Side where phi > 0.
     pub feasible: Feasible,
@@ -63,6 +75,7 @@ impl Default for FitOptions {
             normal_weight: 1e-4,
             smooth_weight: 3e-10,
             distance_weight: 150.0,
+            reweighting: Reweighting::Largest,
             reweightings: 3,
             feasible: Feasible::Outside,
             tolerance: 1e-4,
@@ -80,9 +93,9 @@ impl FitOptions {
     }
 
     /// Checks every range.
-    pub fn validate(&self) -> Result<()> {
+    pub fn validate<const D: usize>(&self) -> Result<()> {
         let wrong = |text: String| Err(Error::InvalidArgument(text));
-        for (axis, &n) in ["x", "y", "z"].iter().zip(&self.control_points) {
+        for (axis, &n) in ["x", "y", "z"].iter().zip(&self.control_points).take(D) {
             if n != 0 && n < 4 {
                 return wrong(format!(
                     "control_points along {axis} is {n}; a cubic needs at least 4, and 0 lets the fit choose"

@@ -3,12 +3,14 @@
 /// Figures of a fit; lengths are fractions of D.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FitReport {
-    /// Control points along x, y, z.
+    /// Control points along x, y, z; 0 along z in the plane.
     pub control_points: [u32; 3],
     /// Points of the cloud.
     pub n_points: u64,
     /// Unknowns of the solve: control points in all.
     pub n_unknowns: u64,
+    /// Points that a robust fit left out at last.
+    pub n_outliers: u64,
     /// Iterations of conjugate gradients, over all rounds of reweighting.
     pub iterations: u32,
     /// Relative residual reached in the last round.

@@ -5,6 +5,8 @@
 //! points that are far from the surface phi = 0 count for more, and the solve goes on from where it was (Lawson's algorithm, in its tame
 //! form: Rice and Usow 1968).
 
+use super::data::Misfit;
+
 /// A point counts for more from this many root-mean-square distances on.
 const TOLERATED: f64 = 1.5;
 
@@ -22,40 +24,35 @@ pub fn rough_tolerance(tolerance: f64) -> f64 {
     if tolerance < DIGITS_BELOW { tolerance } else { tolerance.max(ROUGH) }
 }
 
-/// Turns distances `[N]` into the factors of the weights.
-pub fn factors(distances: &mut [f64]) {
-    let rms = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
-    if rms == 0.0 {
-        distances.fill(1.0);
-        return;
-    }
-    for d in distances {
-        *d = (*d / (TOLERATED * rms)).clamp(1.0, LARGEST_FACTOR);
-    }
+/// The factors of the weights, by the points' distances.
+pub fn factors(misfits: &[Misfit]) -> impl Iterator<Item = f64> {
+    let rms = (misfits.iter().map(|m| m.distance * m.distance).sum::<f64>() / misfits.len() as f64).sqrt();
+    let tolerated = TOLERATED * rms;
+    misfits.iter().map(move |m| if rms > 0.0 { (m.distance / tolerated).clamp(1.0, LARGEST_FACTOR) } else { 1.0 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn factors_of(distances: &[f64]) -> Vec<f64> {
+        let misfits: Vec<Misfit> = distances.iter().map(|&distance| Misfit { distance, normal: 0.0 }).collect();
+        factors(&misfits).collect()
+    }
+
     #[test]
     fn near_points_keep_their_weight_and_far_ones_gain_within_bounds() {
         let mut d = vec![0.1; 1000];
-        d[0] = 0.35;
-        d[1] = 3.0;
-        factors(&mut d);
-        assert!(d[2..].iter().all(|f| *f == 1.0));
-        assert!(d[0] > 1.0 && d[0] < d[1] && d[1] < LARGEST_FACTOR);
-        let mut d = vec![0.1; 1000];
+        (d[0], d[1]) = (0.35, 3.0);
+        let f = factors_of(&d);
+        assert!(f[2..].iter().all(|f| *f == 1.0));
+        assert!(f[0] > 1.0 && f[0] < f[1] && f[1] < LARGEST_FACTOR);
         d[1] = 100.0;
-        factors(&mut d);
-        assert_eq!(d[1], LARGEST_FACTOR);
+        assert_eq!(factors_of(&d)[1], LARGEST_FACTOR);
     }
 
     #[test]
     fn a_perfect_fit_changes_nothing() {
-        let mut d = vec![0.0; 3];
-        factors(&mut d);
-        assert_eq!(d, [1.0; 3]);
+        assert_eq!(factors_of(&[0.0; 3]), [1.0; 3]);
     }
 }

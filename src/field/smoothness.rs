@@ -6,7 +6,7 @@
 //! A2 (x) (B0 C0) + A1 (x) 2 (B1 C0 + B0 C1) + A0 (x) (B2 C0 + 2 B1 C1 + B0 C2)
 //! ```
 //!
-//! applied plane by plane along z, then y, then x: 84 multiplications a control point, where the assembled matrix has 343 entries a row.
+//! applied plane by plane along z, then y, then x (in the plane A0 = 1, A1 = A2 = 0): 84 multiplications a control point, where the assembled matrix has 343 entries a row.
 
 use crate::Result;
 use crate::error::try_vec;
@@ -16,6 +16,7 @@ use crate::spline::gram::{Band, Gram, HALF_BAND, columns};
 
 /// The operator (weight / |V|) int hess . hess on one grid.
 pub struct Smoothness {
+    /// Control points along x, y, z; the plane has one layer along x.
     shape: [usize; 3],
     gram: [Gram; 3],
     factor: f64,
@@ -25,11 +26,19 @@ pub struct Smoothness {
 
 impl Smoothness {
     /// The operator on `grid`, in units of D.
-    pub fn new(grid: &Grid, weight: f64) -> Result<Self> {
-        let along = |a: usize| Gram::new(grid.axes[a].n_cells, grid.axes[a].cell);
-        let gram = [along(0)?, along(1)?, along(2)?];
+    pub fn new<const D: usize>(grid: &Grid<D>, weight: f64) -> Result<Self> {
+        let (mut shape, mut gram) = ([1; 3], std::array::from_fn(|_| Gram::of_no_axis()));
+        for (a, axis) in grid.axes.iter().enumerate() {
+            shape[a + 3 - D] = axis.n_control();
+            gram[a + 3 - D] = Gram::new(axis.n_cells, axis.cell)?;
+        }
         let volume: f64 = grid.axes.iter().map(|a| a.n_cells as f64 * a.cell).product();
-        Ok(Smoothness { shape: grid.shape(), gram, factor: weight / volume, scratch: Default::default() })
+        Ok(Smoothness { shape, gram, factor: weight / volume, scratch: Default::default() })
+    }
+
+    /// Multiplies the weight by `factor`.
+    pub fn scale(&mut self, factor: f64) {
+        self.factor *= factor;
     }
 
     /// Takes the memory that [`Smoothness::apply`] works in.

@@ -10,28 +10,23 @@ use crate::linalg::vector::update;
 use crate::par::Workers;
 
 /// A x = b, without b.
-pub struct System {
-    energy: Energy,
+pub struct System<'a, const D: usize = 3> {
+    energy: &'a mut Energy<D>,
     /// 1 / diagonal of A [n]
     inverse_diagonal: Vec<f64>,
 }
 
-impl System {
+impl<'a, const D: usize> System<'a, D> {
     /// The system of `energy`.
-    pub fn new(mut energy: Energy, workers: &Workers) -> Result<Self> {
+    pub fn new(energy: &'a mut Energy<D>, workers: &Workers) -> Result<Self> {
         energy.reserve()?;
         let mut inverse_diagonal = energy.diagonal(workers)?;
         inverse_diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
         Ok(System { energy, inverse_diagonal })
     }
-
-    /// The energy whose minimum solves the system.
-    pub fn into_energy(self) -> Energy {
-        self.energy
-    }
 }
 
-impl cg::System for System {
+impl<const D: usize> cg::System for System<'_, D> {
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
         self.energy.apply(workers, x, y);
     }
@@ -52,20 +47,21 @@ mod tests {
     use crate::linalg::cg::System as _;
     use crate::spline::{Axis, Grid};
 
-    fn system(n_cells: [usize; 3]) -> (System, usize) {
+    fn energy(n_cells: [usize; 3]) -> Energy {
         let cloud = sphere([0.5; 3], 0.4, 3).unwrap().sample(1000, 1).unwrap();
         let axes = n_cells.map(|n| Axis { lower: 0.0, cell: 1.0 / n as f64, n_cells: n });
         let grid = Grid { axes };
-        let (data, _) = Data::new(&cloud, &grid).unwrap();
-        let energy = Energy::new(data, grid, EnergyWeights { normal: 1e-4, smooth: 3e-10 }).unwrap();
-        (System::new(energy, &Workers::caller_only()).unwrap(), grid.n_control())
+        let data = Data::new(&cloud, &grid).unwrap();
+        Energy::new(data, grid, EnergyWeights { normal: 1e-4, smooth: 3e-10 }).unwrap()
     }
 
     #[test]
     fn the_matrix_is_symmetric_and_positive_and_its_diagonal_is_that_of_unit_vectors() {
         let workers = Workers::caller_only();
         for n_cells in [[1, 1, 1], [1, 2, 5], [7, 6, 9]] {
-            let (mut system, n) = system(n_cells);
+            let mut energy = energy(n_cells);
+            let n = energy.grid().n_control();
+            let mut system = System::new(&mut energy, &workers).unwrap();
             let mut random = SplitMix64::new(4);
             let mut vector = || (0..n).map(|_| random.between(-1.0, 1.0)).collect::<Vec<f64>>();
             let (r, s) = (vector(), vector());

@@ -30,10 +30,10 @@ fn values(field: &Field, points: &[Vec3]) -> Vec<f64> {
 }
 
 fn jet(field: &Field, p: Vec3) -> (f64, Vec3, [f64; 6]) {
-    let (mut v, mut g, mut h) = ([0.0], [[0.0; 3]], [[0.0; 6]]);
+    let (mut v, mut g, mut h) = ([0.0], [[0.0; 3]], [0.0; 6]);
     let outputs = Outputs { values: Some(&mut v), gradients: Some(&mut g), hessians: Some(&mut h) };
     field.eval(&[p], outputs).unwrap();
-    (v[0], g[0], h[0])
+    (v[0], g[0], h)
 }
 
 /// Points in the box stretched by `factor` about its centre.

@@ -15,12 +15,16 @@ pub struct Origin<const D: usize = 3> {
     pub barycentric: [f64; D],
 }
 
+/// Weights are relative; those between 0 and this keep their sums and quotients in the range of doubles.
+const LARGEST_WEIGHT: f64 = 1e100;
+
 /// Points [N x D] with unit normals [N x D] that point out of the solid.
 #[derive(Debug, Clone)]
 pub struct Cloud<const D: usize = 3> {
     points: Vec<[f64; D]>,
     normals: Vec<[f64; D]>,
     origins: Option<Vec<Origin<D>>>,
+    weights: Option<Vec<f64>>,
 }
 
 impl<const D: usize> Cloud<D> {
@@ -56,7 +60,7 @@ impl<const D: usize> Cloud<D> {
                 Error::InvalidArgument(format!("normal {i} is {}; a finite vector longer than 0 is needed", text(n)))
             })?;
         }
-        Ok(Cloud { points, normals, origins: None })
+        Ok(Cloud { points, normals, origins: None, weights: None })
     }
 
     /// The cloud with the places on a mesh from which its points were taken, one a point.
@@ -64,6 +68,46 @@ impl<const D: usize> Cloud<D> {
         debug_assert_eq!(origins.len(), self.points.len());
         self.origins = Some(origins);
         self
+    }
+
+    /// The cloud with a weight for each point, `weights` [N]: how much a fit trusts it, compared with the others. A point of weight 0 takes
+    /// no part in a fit, as if it were not there.
+    pub fn with_weights(mut self, weights: Vec<f64>) -> Result<Self> {
+        if weights.len() != self.len() {
+            let (n, points) = (weights.len(), self.len());
+            return Err(Error::InvalidArgument(format!(
+                "{points} points come with {n} weights; one a point is needed"
+            )));
+        }
+        if let Some(i) = weights.iter().position(|w| !(0.0..=LARGEST_WEIGHT).contains(w)) {
+            let w = weights[i];
+            return Err(Error::InvalidArgument(format!("weight {i} is {w}; it must lie in [0, {LARGEST_WEIGHT:e}]")));
+        }
+        if weights.iter().all(|w| *w == 0.0) {
+            return Err(Error::InvalidArgument("all weights are 0; at least one point must count".into()));
+        }
+        self.weights = Some(weights);
+        Ok(self)
+    }
+
+    /// The points that count, without origins; `None` where all do.
+    pub(crate) fn counted(&self) -> Result<Option<Self>> {
+        let Some(weights) = self.weights.as_ref().filter(|w| w.contains(&0.0)) else { return Ok(None) };
+        let n = weights.iter().filter(|w| **w > 0.0).count();
+        let mut counted = Cloud {
+            points: try_with_capacity(n, "the points that count")?,
+            normals: try_with_capacity(n, "the normals of the points that count")?,
+            origins: None,
+            weights: None,
+        };
+        let mut kept = try_with_capacity(n, "the weights of the points that count")?;
+        for (i, w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+            counted.points.push(self.points[i]);
+            counted.normals.push(self.normals[i]);
+            kept.push(*w);
+        }
+        counted.weights = Some(kept);
+        Ok(Some(counted))
     }
 
     /// The cloud with points that are given more than once, as the vertices of a triangle soup are, made one where their normals agree:
@@ -121,6 +165,11 @@ impl<const D: usize> Cloud<D> {
     /// Facet and barycentric coordinates of each point, when the cloud was sampled from a mesh.
     pub fn origins(&self) -> Option<&[Origin<D>]> {
         self.origins.as_deref()
+    }
+
+    /// How much each point counts [N], where not all count alike.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
     }
 
     /// The box around the points.

@@ -158,6 +158,9 @@ fn check_finite<const D: usize>(i: usize, p: [f64; D]) -> Result<()> {
 }
 
 #[cfg(test)]
+mod plane_tests;
+
+#[cfg(test)]
 mod tests {
     use super::super::random::SplitMix64;
     use super::super::shapes::{box_mesh, sphere, torus};

@@ -1,42 +1,45 @@
-//! The edges of a triangle mesh, each with the triangle sides along it; and sets of things that such edges join.
+//! The edges of a mesh, each with the facet sides along it; and sets of things that such edges join.
+//!
+//! What joins facets is an edge: a line between triangles, a vertex between segments, here an edge from the vertex to itself. A segment
+//! has two sides: at the first it starts, forward; at the second it ends.
 
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 
-/// A side of a triangle: the edge it lies on and the way it runs.
+/// A side of a facet: the edge it lies on and the way it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Side {
-    /// The edge's vertices, lower number first.
+pub(crate) struct Side<const D: usize> {
+    /// The edge's vertices, lower number first; in the plane the same twice.
     pub edge: [u32; 2],
-    /// 3 t + k for the side from corner k to corner k + 1 of triangle t.
+    /// D f + k for the side of facet f that goes from corner k to [`end_of`] k.
     id: usize,
-    /// Whether the side runs from the lower vertex to the higher.
+    /// Whether the side runs from the lower vertex to the higher; in the plane, whether the segment starts there.
     pub forward: bool,
 }
 
-impl Side {
-    /// Its triangle.
-    pub fn triangle(&self) -> usize {
-        self.id / 3
+impl<const D: usize> Side<D> {
+    /// Its facet.
+    pub fn facet(&self) -> usize {
+        self.id / D
     }
 
-    /// Where it touches the edge's lower and higher vertex: 3 t + corner each.
+    /// Where it touches the edge's lower and higher vertex: D f + corner each.
     pub fn corners(&self) -> [usize; 2] {
-        let (from, to) = (self.id, self.id - self.id % 3 + (self.id + 1) % 3);
+        let (from, to) = (self.id, self.id - self.id % D + end_of::<D>(self.id % D));
         if self.forward { [from, to] } else { [to, from] }
     }
 }
 
-/// All sides, sorted by edge. Triangles that repeat a vertex have no part in it: they are folded onto an edge.
+/// All sides, sorted by edge. Facets that repeat a vertex have no part in it: they are folded onto an edge.
 #[derive(Debug)]
-pub(crate) struct Edges {
-    sides: Vec<Side>,
+pub(crate) struct Edges<const D: usize> {
+    sides: Vec<Side<D>>,
 }
 
-impl Edges {
-    /// The edges of `triangles` over `n_vertices`.
-    pub fn of(triangles: &[[u32; 3]], n_vertices: usize) -> Result<Self> {
-        let sides = || triangles.iter().enumerate().filter(|(_, t)| !repeats_vertex(t)).flat_map(sides_of);
+impl<const D: usize> Edges<D> {
+    /// The edges of `facets` over `n_vertices`.
+    pub fn of(facets: &[[u32; D]], n_vertices: usize) -> Result<Self> {
+        let sides = || facets.iter().enumerate().filter(|(_, f)| !repeats_vertex(f)).flat_map(sides_of);
         // Counting sort by lower vertex, then each vertex's few sides by comparison.
         let mut ends = try_vec(n_vertices + 1, 0, "the edges of the mesh")?;
         for side in sides() {
@@ -58,21 +61,27 @@ impl Edges {
         Ok(Edges { sides: sorted })
     }
 
-    /// Each edge as the sides along it, in order of vertices and triangles.
-    pub fn iter(&self) -> impl Iterator<Item = &[Side]> {
+    /// Each edge as the sides along it, in order of vertices and facets.
+    pub fn iter(&self) -> impl Iterator<Item = &[Side<D>]> {
         self.sides.chunk_by(|a, b| a.edge == b.edge)
     }
 }
 
-/// Whether a triangle names a vertex more than once.
-pub(crate) fn repeats_vertex(t: &[u32; 3]) -> bool {
-    t[0] == t[1] || t[1] == t[2] || t[2] == t[0]
+/// Whether a facet names a vertex more than once.
+pub(crate) fn repeats_vertex<const D: usize>(f: &[u32; D]) -> bool {
+    (1..D).any(|k| f[..k].contains(&f[k]))
 }
 
-fn sides_of((i, t): (usize, &[u32; 3])) -> [Side; 3] {
+/// The corner at which the side from corner k ends: the next of a triangle, k itself of a segment.
+const fn end_of<const D: usize>(k: usize) -> usize {
+    (k + D - 2) % D
+}
+
+fn sides_of<const D: usize>((i, f): (usize, &[u32; D])) -> [Side<D>; D] {
     std::array::from_fn(|k| {
-        let (from, to) = (t[k], t[(k + 1) % 3]);
-        Side { edge: [from.min(to), from.max(to)], id: 3 * i + k, forward: from < to }
+        let (from, to) = (f[k], f[end_of::<D>(k)]);
+        let forward = if D == 2 { k == 0 } else { from < to };
+        Side { edge: [from.min(to), from.max(to)], id: D * i + k, forward }
     })
 }
 
@@ -122,10 +131,21 @@ mod tests {
         let shared: Vec<_> = edges.iter().filter(|sides| sides.len() == 2).collect();
         assert_eq!((edges.iter().count(), shared.len()), (5, 1));
         let [a, b] = shared[0] else { panic!("two sides") };
-        assert_eq!((a.edge, a.triangle(), b.triangle()), ([1, 2], 0, 1));
+        assert_eq!((a.edge, a.facet(), b.facet()), ([1, 2], 0, 1));
         assert_eq!((a.corners(), b.corners()), ([1, 2], [4, 3]));
         assert!(a.forward && !b.forward);
-        assert_eq!(Edges::of(&[], 0).unwrap().iter().count(), 0);
+        assert_eq!(Edges::<3>::of(&[], 0).unwrap().iter().count(), 0);
+    }
+
+    #[test]
+    fn two_segments_share_one_vertex() {
+        let edges = Edges::of(&[[4, 1], [1, 2], [3, 3]], 5).unwrap();
+        let shared: Vec<_> = edges.iter().filter(|sides| sides.len() == 2).collect();
+        assert_eq!((edges.iter().count(), shared.len()), (3, 1));
+        let [a, b] = shared[0] else { panic!("two sides") };
+        assert_eq!((a.edge, a.facet(), b.facet()), ([1, 1], 0, 1));
+        assert_eq!((a.corners(), b.corners()), ([1, 1], [2, 2]));
+        assert!(!a.forward && b.forward);
     }
 
     #[test]

@@ -66,7 +66,7 @@ pub(super) fn solid_angle<const D: usize>(p: [f64; D], corners: &[[f64; D]; D]) 
 
 /// The first N coordinates; zeros where there are fewer. What D is told by `match` alone, this tells the compiler.
 #[inline]
-fn cut<const M: usize, const N: usize>(a: [f64; M]) -> [f64; N] {
+pub(super) fn cut<const M: usize, const N: usize>(a: [f64; M]) -> [f64; N] {
     std::array::from_fn(|k| if k < M { a[k] } else { 0.0 })
 }
 

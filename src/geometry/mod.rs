@@ -1,6 +1,7 @@
 //! Shapes: meshes, triangles in space and segments in the plane, oriented point clouds, and exact distances between them and points.
 //!
-//! Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
+//! One path serves both dimensions, by a const D; `facet` holds what differs, and curves alone have [`polylines`] and their even samples
+//! (`along_curves`). Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
 //! bounding-box diagonal D happens at the door of the room that needs it. Normals of a solid point out of it; signed distances
 //! are positive outside.
 //!
@@ -15,6 +16,7 @@
 //! | Wald 2007, binned surface area heuristic | `bvh` |
 //! | Morton 1966, Z curve | `morton` |
 //! | Yuksel 2015, sample elimination | `eliminate` |
+//! | Shewchuk 1997, exact orientation of three points | `predicate` |
 //! | Thuermer and Wuethrich 1998, normals by angle | [`normals`] |
 //! | Hoppe et al. 1992, normals of points that come without | [`orient`] |
 //! | Steele, Lea and Flood 2014, SplitMix64 | [`random`] |
@@ -22,13 +24,15 @@
 //! Where we depart: sides come from the winding number, not from the nearest normal as in (1), and sample elimination measures along
 //! the surface.
 //!
-//! Notation: V vertices, T triangles, p a point, n a unit normal, b barycentric coordinates in a triangle (a, b, c).
+//! Notation: V vertices, F facets: T triangles or S segments, p a point, n a unit normal, b barycentric coordinates in a facet.
 
 #![forbid(unsafe_code)]
 
+mod along_curves;
 pub mod bounds;
 mod bvh;
 pub mod cloud;
+mod crossings;
 pub mod distance;
 mod edges;
 mod eliminate;
@@ -36,8 +40,11 @@ mod facet;
 pub mod mesh;
 mod morton;
 pub mod neighbours;
+mod nesting;
 pub mod normals;
 pub mod orient;
+pub mod polylines;
+mod predicate;
 pub mod random;
 pub mod read;
 pub mod report;
@@ -54,5 +61,6 @@ pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
 pub use distance::{ClosestPoint, DistanceTree};
 pub use mesh::Mesh;
+pub use polylines::Ends;
 pub use read::read;
 pub use report::MeshReport;

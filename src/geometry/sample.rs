@@ -1,27 +1,30 @@
-//! Points on a mesh, spread evenly by area.
+//! Points on a mesh, spread evenly by area, in the plane by length.
 //!
-//! Candidates, [`CANDIDATES_PER_POINT`] for each point asked for, are drawn stratified by area; then all but `n_points` are
+//! In space, candidates, [`CANDIDATES_PER_POINT`] for each point asked for, are drawn stratified by area; then all but `n_points` are
 //! eliminated, the most crowded first (`eliminate.rs`). The result is a blue noise: neighbours keep a distance, and no
-//! direction is preferred.
+//! direction is preferred. In the plane, points are counted off along the curves (`along_curves.rs`).
 
-use super::Mesh;
+use super::along_curves::along_curves;
 use super::cloud::{Cloud, Origin};
 use super::eliminate::{Candidate, eliminate};
+use super::facet::cut;
 use super::normals::corner_normals;
 use super::random::SplitMix64;
 use super::unit::Unit;
-use super::vec::{Vec3, add, dot, norm, normalized, scale};
+use super::vec::{dot, normalized, scale};
+use super::{Mesh, facet};
 use crate::error::try_with_capacity;
 use crate::{Error, Result};
 
 /// Candidates drawn for each point kept. More gain a little spacing, and time and memory grow in proportion.
 pub const CANDIDATES_PER_POINT: usize = 4;
 
-impl Mesh {
-    /// `n_points` points on the surface, evenly by area, with normals that respect sharp edges ([`super::normals`]) and the
-    /// places they were taken from. The same mesh, number and seed give the same bits, and a mesh scaled by a power of two
-    /// gives the same points, scaled. Points come in rows of grid cells, z slowest and x fastest: near in the list is near in space.
-    pub fn sample(&self, n_points: usize, seed: u64) -> Result<Cloud> {
+impl<const D: usize> Mesh<D> {
+    /// `n_points` points on the mesh, evenly by area, in the plane by length, with normals that respect sharp edges ([`super::normals`])
+    /// and the places they were taken from. The same mesh, number and seed give the same bits, and a mesh scaled by a power of two
+    /// gives the same points, scaled. Points come in rows of grid cells, z slowest and x fastest, in the plane curve by curve: near in the
+    /// list is near in space.
+    pub fn sample(&self, n_points: usize, seed: u64) -> Result<Cloud<D>> {
         if n_points == 0 || n_points > u32::MAX as usize / CANDIDATES_PER_POINT {
             return Err(Error::InvalidArgument(format!(
                 "{n_points} sample points are asked for; from 1 to {} can be served",
@@ -30,22 +33,44 @@ impl Mesh {
         }
         let unit = Unit::of(self);
         let mesh = unit.shrunk(self)?;
-        let areas = CumulativeArea::of(&mesh)?;
-        let candidates = draw_candidates(&mesh, &areas, n_points * CANDIDATES_PER_POINT, seed)?;
-        let kept = eliminate(candidates, n_points, areas.total)?;
-
+        let sampled = match D {
+            2 => along_curves(&mesh, n_points, seed)?,
+            _ => over_surface(&mesh, n_points, seed)?,
+        };
+        if sampled.is_empty() {
+            return Err(without_area(self));
+        }
         let corner_normals = corner_normals(&mesh)?;
         let mut points = try_with_capacity(n_points, "the sample points")?;
         let mut normals = try_with_capacity(n_points, "the sample normals")?;
-        let mut origins = try_with_capacity(n_points, "the sample origins")?;
-        for candidate in kept {
-            let Origin { facet: triangle, barycentric } = candidate.origin;
-            points.push(scale(unit.grow, candidate.point));
-            normals.push(interpolate_normal(&corner_normals[triangle as usize], barycentric, candidate.normal));
-            origins.push(candidate.origin);
+        for &Origin { facet: f, barycentric } in &sampled {
+            let f = f as usize;
+            let face = normalized(mesh.area_normal(f)).unwrap_or([0.0; D]);
+            points.push(scale(unit.grow, facet::point(&mesh.corners(f), barycentric)));
+            normals.push(interpolate_normal(&corner_normals[f], barycentric, face));
         }
-        Ok(Cloud::new(points, normals)?.with_origins(origins))
+        Ok(Cloud::new(points, normals)?.with_origins(sampled))
     }
+}
+
+fn without_area<const D: usize>(mesh: &Mesh<D>) -> Error {
+    let (n, name, area) = (mesh.facets().len(), Mesh::<D>::FACET, if D == 2 { "a length" } else { "an area" });
+    Error::Degenerate(format!(
+        "none of the {n} {name}s has {area}, so no point can be drawn from them; check the coordinates"
+    ))
+}
+
+/// `n_points` places on a mesh of space, spread by elimination; none where no triangle has an area.
+fn over_surface<const D: usize>(mesh: &Mesh<D>, n_points: usize, seed: u64) -> Result<Vec<Origin<D>>> {
+    let areas = CumulativeArea::of(mesh)?;
+    if areas.total == 0.0 {
+        return Ok(Vec::new());
+    }
+    let candidates = draw_candidates(mesh, &areas, n_points * CANDIDATES_PER_POINT, seed)?;
+    let mut origins = try_with_capacity(n_points, "the sample origins")?;
+    let kept = eliminate(candidates, n_points, areas.total)?;
+    origins.extend(kept.iter().map(|c| Origin { facet: c.origin.facet, barycentric: cut(c.origin.barycentric) }));
+    Ok(origins)
 }
 
 /// Areas of the triangles, summed up.
@@ -58,29 +83,29 @@ struct CumulativeArea {
 }
 
 impl CumulativeArea {
-    fn of(mesh: &Mesh) -> Result<Self> {
-        let n = mesh.triangles().len();
+    fn of<const D: usize>(mesh: &Mesh<D>) -> Result<Self> {
+        let n = mesh.facets().len();
         let mut up_to = try_with_capacity(n, "the cumulative areas")?;
         let (mut total, mut last) = (0.0, 0);
         for t in 0..n {
-            let with_t = total + 0.5 * norm(mesh.area_normal(t));
+            let with_t = total + facet::area(&mesh.corners(t));
             if with_t > total {
                 (total, last) = (with_t, t);
             }
             up_to.push(total);
         }
-        if total > 0.0 {
-            return Ok(CumulativeArea { up_to, total, last });
-        }
-        Err(Error::Degenerate(format!(
-            "none of the {n} triangles has an area, so no point can be drawn from them; check the coordinates"
-        )))
+        Ok(CumulativeArea { up_to, total, last })
     }
 }
 
 /// Candidate i lies at area (i + u_i) / m of the total, u_i random: so each triangle gets its share to within 2. Within
 /// the triangle it is random: a sequence that fills it evenly is a lattice, on which all weights tie and elimination goes astray.
-fn draw_candidates(mesh: &Mesh, areas: &CumulativeArea, m: usize, seed: u64) -> Result<Vec<Candidate>> {
+fn draw_candidates<const D: usize>(
+    mesh: &Mesh<D>,
+    areas: &CumulativeArea,
+    m: usize,
+    seed: u64,
+) -> Result<Vec<Candidate>> {
     let mut random = SplitMix64::new(seed);
     let mut candidates = try_with_capacity(m, "the sample candidates")?;
     let mut t = 0;
@@ -91,8 +116,8 @@ fn draw_candidates(mesh: &Mesh, areas: &CumulativeArea, m: usize, seed: u64) -> 
         }
         let barycentric = square_to_triangle(random.unit(), random.unit());
         candidates.push(Candidate {
-            point: combine(&mesh.corners(t), barycentric),
-            normal: normalized(mesh.area_normal(t)).unwrap_or_default(),
+            point: cut(facet::point(&mesh.corners(t), cut(barycentric))),
+            normal: normalized(cut(mesh.area_normal(t))).unwrap_or_default(),
             origin: Origin { facet: t as u32, barycentric },
         });
     }
@@ -106,21 +131,16 @@ fn square_to_triangle(x: f64, y: f64) -> [f64; 3] {
     [a, b, (1.0 - a - b).max(0.0)]
 }
 
-/// The normal at `barycentric`; the triangle's own where the corners' cancel or turn against it.
-fn interpolate_normal(corners: &[Vec3; 3], barycentric: [f64; 3], face: Vec3) -> Vec3 {
-    normalized(combine(corners, barycentric)).filter(|n| dot(*n, face) > 0.0).unwrap_or(face)
-}
-
-/// b_0 v_0 + b_1 v_1 + b_2 v_2
-fn combine(v: &[Vec3; 3], b: [f64; 3]) -> Vec3 {
-    add(add(scale(b[0], v[0]), scale(b[1], v[1])), scale(b[2], v[2]))
+/// The normal at `barycentric`; the facet's own where the corners' cancel or turn against it.
+fn interpolate_normal<const D: usize>(corners: &[[f64; D]; D], barycentric: [f64; D], face: [f64; D]) -> [f64; D] {
+    normalized(facet::point(corners, barycentric)).filter(|n| dot(*n, face) > 0.0).unwrap_or(face)
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::eliminate::largest_radius;
     use super::super::shapes::{box_mesh, sphere, torus};
-    use super::super::vec::sub;
+    use super::super::vec::{Vec3, norm, sub};
     use super::*;
 
     fn area(mesh: &Mesh) -> f64 {
@@ -146,7 +166,7 @@ mod tests {
                 let corners = ring.corners(o.facet as usize);
                 assert!(o.barycentric.iter().all(|b| (0.0..=1.0).contains(b)));
                 assert!((o.barycentric.iter().sum::<f64>() - 1.0).abs() < 1e-15);
-                assert!(norm(sub(*p, combine(&corners, o.barycentric))) < 1e-15);
+                assert!(norm(sub(*p, facet::point(&corners, o.barycentric))) < 1e-15);
                 assert!(dot(*normal, ring.area_normal(o.facet as usize)) > 0.0);
             }
         }

@@ -11,16 +11,34 @@ const MAX_SUBDIVISIONS: u32 = 10;
 
 /// The box from `min` to `max`, two triangles a side.
 pub fn box_mesh(min: Vec3, max: Vec3) -> Result<Mesh> {
-    if let Some(axis) = (0..3).find(|&a| min[a].partial_cmp(&max[a]) != Some(std::cmp::Ordering::Less)) {
-        return Err(Error::InvalidArgument(format!(
-            "the box goes from {} to {} along axis {axis}; min < max is needed",
-            min[axis], max[axis]
-        )));
-    }
+    check_box(min, max)?;
     // Bit a of a corner's number says whether it lies at max along axis a.
     let vertices = (0..8).map(|i| std::array::from_fn(|a| if i >> a & 1 == 0 { min[a] } else { max[a] })).collect();
     let quads: [[u32; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     Mesh::new(vertices, quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+}
+
+/// The rectangle from `min` to `max`, counter-clockwise from its lower corner.
+pub fn rectangle(min: [f64; 2], max: [f64; 2]) -> Result<Mesh<2>> {
+    check_box(min, max)?;
+    let vertices = vec![min, [max[0], min[1]], max, [min[0], max[1]]];
+    Mesh::new(vertices, vec![[0, 1], [1, 2], [2, 3], [3, 0]])
+}
+
+/// The regular polygon of `n` vertices on the circle around `center`, counter-clockwise from where x is largest.
+pub fn circle(center: [f64; 2], radius: f64, n: usize) -> Result<Mesh<2>> {
+    positive("radius", radius)?;
+    if n < 3 || n > i32::MAX as usize {
+        return Err(Error::InvalidArgument(format!(
+            "a circle of {n} segments; at least 3 and at most 2^31 - 1 are served"
+        )));
+    }
+    let vertex = |i: usize| {
+        let (sin, cos) = (TAU * i as f64 / n as f64).sin_cos();
+        add(center, scale(radius, [cos, sin]))
+    };
+    let vertices = (0..n).map(vertex).collect();
+    Mesh::new(vertices, (0..n).map(|i| [i as u32, ((i + 1) % n) as u32]).collect())
 }
 
 /// An icosahedron whose triangles are cut in four `subdivisions` times, its vertices on the sphere around `center`:
@@ -63,6 +81,16 @@ pub fn torus(major: f64, minor: f64, n_major: usize, n_minor: usize) -> Result<M
         [[a, b, c], [a, c, d]]
     };
     Mesh::new(cells().map(|(i, j)| vertex(i, j)).collect(), cells().flat_map(quad).collect())
+}
+
+fn check_box<const D: usize>(min: [f64; D], max: [f64; D]) -> Result<()> {
+    if let Some(axis) = (0..D).find(|&a| min[a].partial_cmp(&max[a]) != Some(std::cmp::Ordering::Less)) {
+        return Err(Error::InvalidArgument(format!(
+            "the box goes from {} to {} along axis {axis}; min < max is needed",
+            min[axis], max[axis]
+        )));
+    }
+    Ok(())
 }
 
 fn positive(what: &str, x: f64) -> Result<()> {
@@ -155,7 +183,24 @@ mod tests {
     }
 
     #[test]
+    fn shapes_of_the_plane_are_closed_and_have_their_areas() {
+        let r = rectangle([1.0, -1.0], [3.0, 0.5]).unwrap().report().unwrap();
+        assert!(r.is_solid() && r.area == 7.0 && r.volume == 3.0, "{r}");
+        for n in [3, 4, 7, 1000] {
+            let r = circle([5.0, -2.0], 2.0, n).unwrap().report().unwrap();
+            let angle = TAU / n as f64;
+            assert!(r.is_solid() && r.n_facets == n, "{r}");
+            assert!((r.volume - 2.0 * n as f64 * angle.sin()).abs() < 1e-12, "{r}");
+            assert!((r.area - 4.0 * n as f64 * (0.5 * angle).sin()).abs() < 1e-12, "{r}");
+        }
+    }
+
+    #[test]
     fn refuses_shapes_without_inside() {
+        assert!(rectangle([0.0, 1.0], [1.0, 1.0]).is_err());
+        assert!(circle([0.0; 2], f64::INFINITY, 5).is_err());
+        assert!(circle([0.0; 2], 1.0, 2).is_err());
+        assert!(circle([f64::NAN, 0.0], 1.0, 5).is_err());
         assert!(box_mesh([0.0; 3], [1.0, 0.0, 1.0]).is_err());
         assert!(box_mesh([0.0; 3], [1.0, f64::NAN, 1.0]).is_err());
         assert!(sphere([0.0; 3], 0.0, 1).is_err());

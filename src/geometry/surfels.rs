@@ -97,7 +97,7 @@ pub(super) fn tangents<const D: usize>(n: [f64; D]) -> [[f64; D]; D] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::shapes::{box_mesh, sphere, torus};
+    use super::super::shapes::{box_mesh, circle, rectangle, sphere, torus};
     use super::super::vec::norm;
     use super::*;
 
@@ -130,6 +130,46 @@ mod tests {
             for (p, d) in points.iter().zip(&exact).filter(|(_, d)| d.abs() > 0.1) {
                 let (w, expected) = (tree.winding_number(*p), if *d < 0.0 { 1.0 } else { 0.0 });
                 assert!((w - expected).abs() < 0.2, "{p:?}: {w} at distance {d}");
+            }
+        }
+    }
+
+    /// An ellipse of half axes 1 and `b`, with `n` segments.
+    fn ellipse(b: f64, n: usize) -> Mesh<2> {
+        let ring = circle([0.0; 2], 1.0, n).unwrap();
+        Mesh::new(ring.vertices().iter().map(|&[x, y]| [x, b * y]).collect(), ring.segments().to_vec()).unwrap()
+    }
+
+    #[test]
+    fn surfels_of_the_plane_have_their_points_normals_and_together_the_length() {
+        let curve = ellipse(0.5, 500);
+        let cloud = curve.sample(300, 1).unwrap();
+        let surfels = cloud.surfels(&Neighbours::new(cloud.points()).unwrap()).unwrap();
+        for (s, (p, n)) in cloud.points().iter().zip(cloud.normals()).enumerate() {
+            let [a, b] = surfels.corners(s);
+            assert!(norm(sub(scale(0.5, add(a, b)), *p)) < 1e-15);
+            assert!(norm(sub(normalized(surfels.area_normal(s)).unwrap(), *n)) < 1e-12);
+        }
+        let ratio = surfels.report().unwrap().area / curve.report().unwrap().area;
+        assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+    }
+
+    #[test]
+    fn sides_away_from_a_curve_are_those_of_the_shape() {
+        for curve in [ellipse(0.01, 2000), ellipse(0.5, 200), rectangle([-1.0, -0.02], [1.0, 0.02]).unwrap()] {
+            for n in [100, 1000] {
+                let cloud = curve.sample(n, 1).unwrap();
+                let surfels = cloud.surfels(&Neighbours::new(cloud.points()).unwrap()).unwrap();
+                let tree = surfels.distance_tree().unwrap();
+                let mut random = super::super::random::SplitMix64::new(2);
+                let points: Vec<[f64; 2]> =
+                    (0..2000).map(|_| std::array::from_fn(|_| random.between(-1.3, 1.3))).collect();
+                let mut exact = vec![0.0; 2000];
+                curve.distance_tree().unwrap().signed_distances(&points, &mut exact).unwrap();
+                for (p, d) in points.iter().zip(&exact).filter(|(_, d)| d.abs() > 0.05) {
+                    let (w, expected) = (tree.winding_number(*p), if *d < 0.0 { 1.0 } else { 0.0 });
+                    assert!((w - expected).abs() < 0.2, "{n} {p:?}: {w} at distance {d}");
+                }
             }
         }
     }

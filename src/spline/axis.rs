@@ -1,4 +1,4 @@
-//! One axis of a box cut into cells, and the product of three.
+//! One axis of a box cut into cells, and the product of two or three.
 
 use super::kernel::Stencil;
 
@@ -34,14 +34,14 @@ impl Axis {
 
 /// A box of cells with its tensor of control points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Grid {
-    /// Axes x, y, z.
-    pub axes: [Axis; 3],
+pub struct Grid<const D: usize = 3> {
+    /// Axes x, y and, in space, z.
+    pub axes: [Axis; D],
 }
 
-impl Grid {
+impl<const D: usize> Grid<D> {
     /// Control points along each axis.
-    pub fn shape(&self) -> [usize; 3] {
+    pub fn shape(&self) -> [usize; D] {
         self.axes.map(|a| a.n_control())
     }
 
@@ -55,13 +55,24 @@ impl Grid {
         self.axes.iter().fold(0.0, |m, a| m.max(a.cell))
     }
 
-    /// The 64 control points and the local coordinates of a point given in cells.
+    /// Cells along each axis.
+    pub fn n_cells(&self) -> [usize; D] {
+        self.axes.map(|a| a.n_cells)
+    }
+
+    /// The 4^D control points and the local coordinates of a point given in cells.
     #[inline]
-    pub fn stencil(&self, xi: [f64; 3]) -> (Stencil, [f64; 3]) {
-        let [_, ny, nz] = self.shape();
-        let (i, u) = self.axes[0].locate(xi[0]);
-        let (j, v) = self.axes[1].locate(xi[1]);
-        let (k, w) = self.axes[2].locate(xi[2]);
-        (Stencil { first: (i * ny + j) * nz + k, plane: ny * nz, row: nz }, [u, v, w])
+    pub fn stencil(&self, xi: [f64; D]) -> (Stencil<D>, [f64; D]) {
+        let (mut first, mut u) = (0, [0.0; D]);
+        let mut strides = [1; D];
+        for a in (0..D).rev() {
+            let cell;
+            (cell, u[a]) = self.axes[a].locate(xi[a]);
+            first += cell * strides[a];
+            if a > 0 {
+                strides[a - 1] = strides[a] * self.axes[a].n_control();
+            }
+        }
+        (Stencil { first, strides }, u)
     }
 }

@@ -15,40 +15,50 @@ pub fn taps() -> Taps {
 
 /// Sums over the control points of each cell, with the memory that they take.
 #[derive(Debug)]
-pub struct Centers {
-    shape: [usize; 3],
-    n_cells: [usize; 3],
-    /// After the first axis, and after the second.
-    scratch: [Vec<f64>; 2],
+pub struct Centers<const D: usize = 3> {
+    /// Cells along the axes before each.
+    outer: [usize; D],
+    n_cells: [usize; D],
+    /// Control points along the axes behind each.
+    inner: [usize; D],
+    /// After each axis but the last.
+    scratch: Vec<Vec<f64>>,
 }
 
-impl Centers {
+impl<const D: usize> Centers<D> {
     /// For the cells of `grid`.
-    pub fn new(grid: &Grid) -> Result<Self> {
-        let (shape, n_cells) = (grid.shape(), grid.axes.map(|a| a.n_cells));
-        let one = try_vec(n_cells[0] * shape[1] * shape[2], 0.0, "the values at cells")?;
-        let two = try_vec(n_cells[0] * n_cells[1] * shape[2], 0.0, "the values at cells")?;
-        Ok(Centers { shape, n_cells, scratch: [one, two] })
+    pub fn new(grid: &Grid<D>) -> Result<Self> {
+        let (shape, n_cells) = (grid.shape(), grid.n_cells());
+        let outer = std::array::from_fn(|a| n_cells[..a].iter().product());
+        let inner = std::array::from_fn(|a| shape[a + 1..].iter().product());
+        let scratch = (0..D - 1).map(|a| try_vec(outer[a] * n_cells[a] * inner[a], 0.0, "the values at cells"));
+        Ok(Centers { outer, n_cells, inner, scratch: scratch.collect::<Result<_>>()? })
     }
 
     /// values = sum over a cell's control points of w_i w_j w_k c_ijk, one a cell
     pub fn gather(&mut self, w: &Taps, coefficients: &[f64], values: &mut [f64]) {
-        let ([_, ny, nz], [cx, cy, cz]) = (self.shape, self.n_cells);
-        let [one, two] = &mut self.scratch;
-        gather_axis(w, coefficients, one, [1, cx, ny * nz]);
-        gather_axis(w, one, two, [cx, cy, nz]);
-        gather_axis(w, two, values, [cx * cy, cz, 1]);
+        for a in 0..D {
+            let sizes = self.sizes(a);
+            let (done, rest) = self.scratch.split_at_mut(a);
+            let from = done.last().map_or(coefficients, |v| &v[..]);
+            gather_axis(w, from, rest.first_mut().map_or(&mut *values, |v| &mut v[..]), sizes);
+        }
     }
 
     /// coefficients += the transpose of [`Centers::gather`] applied to `values`.
     pub fn scatter(&mut self, w: &Taps, values: &[f64], coefficients: &mut [f64]) {
-        let ([_, ny, nz], [cx, cy, cz]) = (self.shape, self.n_cells);
-        let [one, two] = &mut self.scratch;
-        one.fill(0.0);
-        two.fill(0.0);
-        scatter_axis(w, values, two, [cx * cy, cz, 1]);
-        scatter_axis(w, two, one, [cx, cy, nz]);
-        scatter_axis(w, one, coefficients, [1, cx, ny * nz]);
+        self.scratch.iter_mut().for_each(|v| v.fill(0.0));
+        for a in (0..D).rev() {
+            let sizes = self.sizes(a);
+            let (before, behind) = self.scratch.split_at_mut(a);
+            let from = behind.first().map_or(values, |v| &v[..]);
+            scatter_axis(w, from, before.last_mut().map_or(&mut *coefficients, |v| &mut v[..]), sizes);
+        }
+    }
+
+    /// Lines along axis `a`: how many blocks of them, their cells, and how many lie side by side.
+    fn sizes(&self, a: usize) -> [usize; 3] {
+        [self.outer[a], self.n_cells[a], self.inner[a]]
     }
 }
 

@@ -42,6 +42,14 @@ impl Gram {
         }
         Ok(Gram { order })
     }
+
+    /// The matrices of the axis that the plane lacks: one function, 1, and an integral of 1.
+    pub fn of_no_axis() -> Self {
+        let mut one = [0.0; 2 * HALF_BAND + 1];
+        let zero = vec![one];
+        one[HALF_BAND] = 1.0;
+        Gram { order: [vec![one], zero.clone(), zero] }
+    }
 }
 
 /// Gauss-Legendre points and weights on [0, 1]: exact to degree 7, one more than products of cubics have.

@@ -1,22 +1,21 @@
-//! Sums over the 4 x 4 x 4 control points of one cell: paper 000 (5) with derivatives, and its transpose.
+//! Sums over the 4 x 4 x 4 control points of one cell, 4 x 4 in the plane: paper 000 (5) with derivatives, and its transpose.
 //!
-//! Sums run over rows of four contiguous control points, so that each inner loop is one vector of four: per point 44 of them
-//! for value and gradient, 72 with the Hessian. Derivatives are with respect to coordinates in cells.
+//! Sums run over rows of four contiguous control points, so that each inner loop is one vector of four: per point of space 44 of them
+//! for value and gradient, 72 with the Hessian. The plane is space with one layer along x, on which nothing depends. Derivatives are with
+//! respect to coordinates in cells.
 
 // Index loops of fixed length are what the compiler unrolls into vectors, and read like the sums.
 #![allow(clippy::needless_range_loop)]
 
 use super::basis::{Weights, second};
 
-/// Where the 64 control points of a cell lie in the tensor.
+/// Where the 4^D control points of a cell lie in the tensor.
 #[derive(Debug, Clone, Copy)]
-pub struct Stencil {
+pub struct Stencil<const D: usize> {
     /// Index of the first.
     pub first: usize,
-    /// Distance between neighbours along x.
-    pub plane: usize,
-    /// Distance between neighbours along y.
-    pub row: usize,
+    /// Distance between neighbours along each axis; 1 along the last.
+    pub strides: [usize; D],
 }
 
 type Row = [f64; 4];
@@ -33,40 +32,74 @@ fn dot(x: &Row, y: &Row) -> f64 {
     (x[0] * y[0] + x[1] * y[1]) + (x[2] * y[2] + x[3] * y[3])
 }
 
-impl Stencil {
+/// Symmetric matrix of second derivatives.
+pub type Hessian<const D: usize> = [[f64; D]; D];
+
+/// The weights of x, y and z as the sums take them: in the plane x has one layer of weight 1.
+struct Layers {
+    /// Layers along x.
+    n: usize,
+    x: Weights,
+    y: Weights,
+    z: Weights,
+}
+
+impl Layers {
+    #[inline]
+    fn of<const D: usize>(b: &[Weights; D]) -> Self {
+        let one = Weights { w: [1.0, 0.0, 0.0, 0.0], dw: [0.0; 4] };
+        let (n, x) = if D == 3 { (4, b[0]) } else { (1, one) };
+        Layers { n, x, y: b[D - 2], z: b[D - 1] }
+    }
+}
+
+/// The last D of x, y, z.
+#[inline]
+fn last<const D: usize>(v: [f64; 3]) -> [f64; D] {
+    std::array::from_fn(|a| v[a + 3 - D])
+}
+
+impl<const D: usize> Stencil<D> {
+    /// Index of the row of layer `i` along x and `j` along y.
+    #[inline]
+    fn start(&self, i: usize, j: usize) -> usize {
+        let plane = if D == 3 { self.strides[0] } else { 0 };
+        self.first + i * plane + j * self.strides[D - 2]
+    }
+
     #[inline]
     fn row<'c>(&self, coefficients: &'c [f64], i: usize, j: usize) -> &'c Row {
-        let start = self.first + i * self.plane + j * self.row;
+        let start = self.start(i, j);
         coefficients[start..start + 4].try_into().expect("a slice of four")
     }
 
-    /// The same control points, in a tensor whose planes begin at `first_plane`.
+    /// The same control points, in a tensor whose layers along the first axis begin at `first_layer`.
     #[inline]
-    pub fn shifted(&self, first_plane: usize) -> Self {
-        Stencil { first: self.first - first_plane * self.plane, ..*self }
+    pub fn shifted(&self, first_layer: usize) -> Self {
+        Stencil { first: self.first - first_layer * self.strides[0], ..*self }
     }
 
     /// Value at local coordinates `u`.
     #[inline]
-    pub fn value(&self, coefficients: &[f64], u: [f64; 3]) -> f64 {
-        let [x, y, z] = u.map(|u| Weights::at(u).w);
+    pub fn value(&self, coefficients: &[f64], u: [f64; D]) -> f64 {
+        let Layers { n, x, y, z } = Layers::of(&u.map(Weights::at));
         let mut sum = [0.0; 4];
-        for i in 0..4 {
+        for i in 0..n {
             let mut along_y = [0.0; 4];
             for j in 0..4 {
-                axpy(y[j], self.row(coefficients, i, j), &mut along_y);
+                axpy(y.w[j], self.row(coefficients, i, j), &mut along_y);
             }
-            axpy(x[i], &along_y, &mut sum);
+            axpy(x.w[i], &along_y, &mut sum);
         }
-        dot(&sum, &z)
+        dot(&sum, &z.w)
     }
 
-    /// Value and gradient under the weights `b` of the three axes.
+    /// Value and gradient under the weights `b` of the axes.
     #[inline]
-    pub fn value_gradient(&self, coefficients: &[f64], b: &[Weights; 3]) -> (f64, [f64; 3]) {
-        let [x, y, z] = b;
+    pub fn value_gradient(&self, coefficients: &[f64], b: &[Weights; D]) -> (f64, [f64; D]) {
+        let Layers { n, x, y, z } = Layers::of(b);
         let (mut v, mut vx, mut vy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-        for i in 0..4 {
+        for i in 0..n {
             let (mut r, mut ry) = ([0.0; 4], [0.0; 4]);
             for j in 0..4 {
                 let row = self.row(coefficients, i, j);
@@ -77,17 +110,17 @@ impl Stencil {
             axpy(x.dw[i], &r, &mut vx);
             axpy(x.w[i], &ry, &mut vy);
         }
-        (dot(&v, &z.w), [dot(&vx, &z.w), dot(&vy, &z.w), dot(&v, &z.dw)])
+        (dot(&v, &z.w), last([dot(&vx, &z.w), dot(&vy, &z.w), dot(&v, &z.dw)]))
     }
 
-    /// Value, gradient and Hessian (xx xy xz yy yz zz) at local coordinates `u`.
+    /// Value, gradient and Hessian at local coordinates `u`.
     #[inline]
-    pub fn value_gradient_hessian(&self, coefficients: &[f64], u: [f64; 3]) -> (f64, [f64; 3], [f64; 6]) {
-        let [x, y, z] = u.map(Weights::at);
-        let [ddx, ddy, ddz] = u.map(second);
+    pub fn value_gradient_hessian(&self, coefficients: &[f64], u: [f64; D]) -> (f64, [f64; D], Hessian<D>) {
+        let Layers { n, x, y, z } = Layers::of(&u.map(Weights::at));
+        let [ddx, ddy, ddz] = std::array::from_fn(|a| second(if a + D >= 3 { u[a + D - 3] } else { 0.0 }));
         let (mut v, mut vx, mut vy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
         let (mut vxx, mut vxy, mut vyy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-        for i in 0..4 {
+        for i in 0..n {
             let (mut r, mut ry, mut ryy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
             for j in 0..4 {
                 let row = self.row(coefficients, i, j);
@@ -102,22 +135,23 @@ impl Stencil {
             axpy(x.dw[i], &ry, &mut vxy);
             axpy(x.w[i], &ryy, &mut vyy);
         }
-        (
-            dot(&v, &z.w),
-            [dot(&vx, &z.w), dot(&vy, &z.w), dot(&v, &z.dw)],
-            [dot(&vxx, &z.w), dot(&vxy, &z.w), dot(&vx, &z.dw), dot(&vyy, &z.w), dot(&vy, &z.dw), dot(&v, &ddz)],
-        )
+        let gradient = last([dot(&vx, &z.w), dot(&vy, &z.w), dot(&v, &z.dw)]);
+        let (xx, xy, xz) = (dot(&vxx, &z.w), dot(&vxy, &z.w), dot(&vx, &z.dw));
+        let (yy, yz, zz) = (dot(&vyy, &z.w), dot(&vy, &z.dw), dot(&v, &ddz));
+        let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(last);
+        (dot(&v, &z.w), gradient, std::array::from_fn(|a| rows[a + 3 - D]))
     }
 
     /// Transpose of [`Stencil::value_gradient`]: coefficients += value' * B + gradient' . grad B.
     #[inline]
-    pub fn scatter(&self, coefficients: &mut [f64], b: &[Weights; 3], value: f64, gradient: [f64; 3]) {
-        let [x, y, z] = b;
-        for i in 0..4 {
-            let along_w = x.w[i] * value + x.dw[i] * gradient[0];
-            let (along_dy, along_dz) = (x.w[i] * gradient[1], x.w[i] * gradient[2]);
+    pub fn scatter(&self, coefficients: &mut [f64], b: &[Weights; D], value: f64, gradient: [f64; D]) {
+        let Layers { n, x, y, z } = Layers::of(b);
+        let (gx, gy, gz) = (if D == 3 { gradient[0] } else { 0.0 }, gradient[D - 2], gradient[D - 1]);
+        for i in 0..n {
+            let along_w = x.w[i] * value + x.dw[i] * gx;
+            let (along_dy, along_dz) = (x.w[i] * gy, x.w[i] * gz);
             for j in 0..4 {
-                let start = self.first + i * self.plane + j * self.row;
+                let start = self.start(i, j);
                 let row: &mut Row = (&mut coefficients[start..start + 4]).try_into().expect("a slice of four");
                 axpy(y.w[j] * along_w + y.dw[j] * along_dy, &z.w, row);
                 axpy(y.w[j] * along_dz, &z.dw, row);
@@ -133,7 +167,7 @@ mod tests {
 
     #[test]
     fn scatter_is_the_transpose_of_value_and_gradient() {
-        let stencil = Stencil { first: 3, plane: 40, row: 6 };
+        let stencil = Stencil { first: 3, strides: [40, 6, 1] };
         let mut random = SplitMix64::new(1);
         for _ in 0..20 {
             let c: Vec<f64> = (0..200).map(|_| random.between(-1.0, 1.0)).collect();
@@ -150,7 +184,7 @@ mod tests {
 
     #[test]
     fn the_three_kernels_agree() {
-        let stencil = Stencil { first: 0, plane: 16, row: 4 };
+        let stencil = Stencil { first: 0, strides: [16, 4, 1] };
         let mut random = SplitMix64::new(2);
         for _ in 0..20 {
             let c: Vec<f64> = (0..64).map(|_| random.between(-1.0, 1.0)).collect();
@@ -159,6 +193,32 @@ mod tests {
             let (value_h, gradient_h, _) = stencil.value_gradient_hessian(&c, u);
             assert_eq!((value, gradient), (value_h, gradient_h));
             assert!((stencil.value(&c, u) - value).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_plane_is_space_without_the_first_axis() {
+        let mut random = SplitMix64::new(3);
+        let c: Vec<f64> = (0..16).map(|_| random.between(-1.0, 1.0)).collect();
+        let plane = Stencil { first: 0, strides: [4, 1] };
+        let space = Stencil { first: 0, strides: [16, 4, 1] };
+        let layers = c.repeat(4);
+        for _ in 0..20 {
+            let u: [f64; 2] = std::array::from_fn(|_| random.unit());
+            let in_space = [random.unit(), u[0], u[1]];
+            let (value, g, h) = plane.value_gradient_hessian(&c, u);
+            let (value_3, g_3, h_3) = space.value_gradient_hessian(&layers, in_space);
+            assert!((value - value_3).abs() < 1e-14 && (plane.value(&c, u) - value).abs() < 1e-15);
+            for a in 0..2 {
+                assert!((g[a] - g_3[a + 1]).abs() < 1e-14);
+                (0..2).for_each(|b| assert!((h[a][b] - h_3[a + 1][b + 1]).abs() < 1e-13));
+            }
+            let b = u.map(Weights::at);
+            assert_eq!(plane.value_gradient(&c, &b), (value, g));
+            let (mut back, gradient) = (vec![0.0; 16], [0.3, -0.7]);
+            plane.scatter(&mut back, &b, 0.4, gradient);
+            let there = 0.4 * value + gradient[0] * g[0] + gradient[1] * g[1];
+            assert!((there - back.iter().zip(&c).map(|(x, y)| x * y).sum::<f64>()).abs() < 1e-14);
         }
     }
 }

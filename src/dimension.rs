@@ -1,0 +1,31 @@
+//! The plane or space, where only a file or a caller at run time can tell.
+
+/// A thing of the plane, `P`, or of space, `S`.
+#[derive(Debug, Clone)]
+pub enum OfDimension<P, S> {
+    /// D = 2.
+    Plane(P),
+    /// D = 3.
+    Space(S),
+}
+
+impl<P, S> OfDimension<P, S> {
+    /// 2 or 3.
+    pub fn dim(&self) -> u32 {
+        match self {
+            OfDimension::Plane(_) => 2,
+            OfDimension::Space(_) => 3,
+        }
+    }
+}
+
+/// Does the same with what is in an [`OfDimension`], in whichever dimension it is.
+macro_rules! in_its_dimension {
+    ($thing:expr, $name:ident => $body:expr) => {
+        match $thing {
+            $crate::dimension::OfDimension::Plane($name) => $body,
+            $crate::dimension::OfDimension::Space($name) => $body,
+        }
+    };
+}
+pub(crate) use in_its_dimension;

@@ -1,0 +1,101 @@
+//! Fields of the plane: what is asked of those of space holds here too.
+
+use super::*;
+use crate::Result;
+use crate::geometry::Cloud;
+use crate::geometry::random::SplitMix64;
+use crate::geometry::vec::{add, norm, scale, sub};
+use crate::progress::Progress;
+use std::f64::consts::TAU;
+
+/// An ellipse of half axes 1 and 0.4, its normals outwards.
+fn ellipse(n: usize) -> Cloud<2> {
+    let angles = || (0..n).map(|i| (TAU * i as f64 / n as f64).sin_cos());
+    let points = angles().map(|(s, c)| [c, 0.4 * s]).collect();
+    let normals = angles().map(|(s, c)| [0.4 * c, s]).collect();
+    Cloud::new(points, normals).unwrap()
+}
+
+fn fit(cloud: &Cloud<2>, options: &FitOptions) -> Field<2> {
+    Field::fit(cloud, options, &mut Progress::silent()).unwrap()
+}
+
+fn jet(field: &Field<2>, p: [f64; 2]) -> (f64, [f64; 2], [f64; 3]) {
+    let (mut v, mut g, mut h) = ([0.0], [[0.0; 2]], [0.0; 3]);
+    let outputs = Outputs { values: Some(&mut v), gradients: Some(&mut g), hessians: Some(&mut h) };
+    field.eval(&[p], outputs).unwrap();
+    (v[0], g[0], h)
+}
+
+fn points_around(field: &Field<2>, factor: f64, n: usize) -> Vec<[f64; 2]> {
+    let mut random = SplitMix64::new(7);
+    let axes = field.grid().axes;
+    let middle = axes.map(|a| 0.5 * (a.lower + a.upper()));
+    let half = axes.map(|a| 0.5 * (a.upper() - a.lower));
+    (0..n).map(|_| std::array::from_fn(|a| middle[a] + factor * half[a] * random.between(-1.0, 1.0))).collect()
+}
+
+#[test]
+fn an_ellipse_is_met_and_has_its_sides() {
+    for feasible in [Feasible::Outside, Feasible::Inside] {
+        let field = fit(&ellipse(1000), &FitOptions { feasible, ..FitOptions::default() });
+        let report = field.report();
+        assert!(report.rms < 1e-4 && (report.mean_gradient - 1.0).abs() < 0.01, "{report:?}");
+        assert_eq!((field.grid().shape().len(), report.control_points[2]), (2, 0));
+        for p in points_around(&field, 1.5, 5000) {
+            let inside = p[0] * p[0] + p[1] * p[1] / 0.16;
+            let phi = feasible.sign() * jet(&field, p).0;
+            assert!((inside - 1.0).abs() < 0.1 || (inside > 1.0) == (phi > 0.0), "{phi} at {p:?}");
+        }
+    }
+}
+
+#[test]
+fn derivatives_agree_with_differences_inside_outside_and_on_the_faces() {
+    let field = fit(&ellipse(400), &FitOptions { control_points: [20, 17, 99], ..FitOptions::default() });
+    assert_eq!(field.grid().shape(), [20, 17]);
+    let e = 1e-6 * field.diagonal();
+    let mut points = points_around(&field, 1.6, 200);
+    let onto_faces =
+        |p: [f64; 2]| std::array::from_fn(|a| p[a].clamp(field.grid().axes[a].lower, field.grid().axes[a].upper()));
+    points.extend(points_around(&field, 1.3, 60).into_iter().map(onto_faces));
+    for p in points {
+        let (_, gradient, hessian) = jet(&field, p);
+        for a in 0..2 {
+            let step = std::array::from_fn(|b| if a == b { e } else { 0.0 });
+            let (above, below) = (jet(&field, add(p, step)), jet(&field, sub(p, step)));
+            let slope = (above.0 - below.0) / (2.0 * e);
+            assert!((gradient[a] - slope).abs() < 1e-7 * (1.0 + norm(gradient)), "d/d{a} at {p:?}");
+            for b in 0..2 {
+                let column = (above.1[b] - below.1[b]) / (2.0 * e);
+                let third = 1e-2 * hessian.iter().fold(1.0, |m: f64, h| m.max(h.abs()));
+                assert!((hessian[a + b] - column).abs() < third, "d2/d{a}d{b} at {p:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_power_of_two_scales_the_field_to_the_bit_and_threads_change_none() {
+    let cloud = ellipse(500);
+    let one = fit(&cloud, &FitOptions { n_threads: 1, ..FitOptions::default() });
+    for factor in [1024.0, 1.0 / 1024.0] {
+        let scaled = cloud.points().iter().map(|p| scale(factor, *p)).collect();
+        let scaled = Cloud::new(scaled, cloud.normals().to_vec()).unwrap();
+        let other = fit(&scaled, &FitOptions { n_threads: 3, ..FitOptions::default() });
+        assert!(one.coefficients().iter().zip(other.coefficients()).all(|(a, b)| a * factor == *b));
+    }
+}
+
+#[test]
+fn files_tell_their_dimension() -> Result<()> {
+    let field = fit(&ellipse(200), &FitOptions::default());
+    let path = std::env::temp_dir().join(format!("keepout-plane-{}.kof", std::process::id()));
+    field.save(&path)?;
+    let (again, as_space) = (Field::<2>::load(&path)?, Field::<3>::load(&path));
+    assert!(matches!(load(&path)?, crate::dimension::OfDimension::Plane(_)));
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!((field.coefficients(), field.report()), (again.coefficients(), again.report()));
+    assert!(as_space.unwrap_err().to_string().contains("dimension 2; 3 is asked for"));
+    Ok(())
+}
