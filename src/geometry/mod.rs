@@ -18,6 +18,7 @@
 //! | Yuksel 2015, sample elimination | `eliminate` |
 //! | Shewchuk 1997, exact orientation of three points | `predicate` |
 //! | Thuermer and Wuethrich 1998, normals by angle | [`normals`] |
+//! | Hoppe et al. 1992, normals of points that come without | [`orient`] |
 //! | Steele, Lea and Flood 2014, SplitMix64 | [`random`] |
 //!
 //! Where we depart: sides come from the winding number, not from the nearest normal as in (1), and sample elimination measures along
@@ -41,6 +42,7 @@ mod morton;
 pub mod neighbours;
 mod nesting;
 pub mod normals;
+pub mod orient;
 pub mod polylines;
 mod predicate;
 pub mod random;

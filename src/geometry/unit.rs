@@ -3,8 +3,8 @@
 //! Areas and squared distances of a scaled shape neither overflow nor vanish, whatever the caller's units; and results do not
 //! depend, to the bit, on a power of two in them.
 
-use super::Mesh;
 use super::vec::scale;
+use super::{Bounds, Mesh};
 use crate::Result;
 use crate::error::try_with_capacity;
 
@@ -23,7 +23,11 @@ pub(crate) struct Unit {
 impl Unit {
     /// The unit in which the largest coordinate of `mesh` lies in [1, 2), where such a unit exists.
     pub fn of<const D: usize>(mesh: &Mesh<D>) -> Self {
-        let bounds = mesh.bounds();
+        Unit::of_bounds(&mesh.bounds())
+    }
+
+    /// The unit in which the largest coordinate of the corners of `bounds` lies in [1, 2), where such a unit exists.
+    pub fn of_bounds<const D: usize>(bounds: &Bounds<D>) -> Self {
         let largest = bounds.min.iter().chain(&bounds.max).fold(0.0, |m: f64, x| m.max(x.abs()));
         let exponent = (((largest.to_bits() >> 52) & 0x7ff) as i32 - 1023).clamp(-MAX_EXPONENT, MAX_EXPONENT);
         let power = |e: i32| f64::from_bits(((1023 + e) as u64) << 52);
