@@ -45,6 +45,7 @@ mod triangle;
 mod unit;
 pub mod vec3;
 mod winding;
+pub mod write;
 
 pub use bounds::Bounds;
 pub use cloud::{Cloud, Origin};
