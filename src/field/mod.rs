@@ -14,6 +14,7 @@
 //! | (10), the energy | [`energy`] |
 //! | (11), its minimum, Algorithm 1, step 4 | [`fit`] |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
+//! | the zero contour of its figures, and any other | [`level_set`]; values on slices and boxes: [`lattice`] |
 //!
 //! Where we depart:
 //! - The regularisation is integrated exactly; sampled at control points, (8), the matrix is singular: see [`crate::spline::gram`].
@@ -38,6 +39,9 @@ pub mod energy;
 pub mod eval;
 pub mod file;
 pub mod fit;
+pub mod function;
+pub mod lattice;
+pub mod level_set;
 mod options;
 mod report;
 pub mod reweight;
@@ -49,6 +53,9 @@ use crate::spline::Grid;
 pub use beyond::Beyond;
 pub use eval::Outputs;
 pub use file::load;
+pub use function::Function;
+pub use lattice::Lattice;
+pub use level_set::{LevelSet, LevelSetOptions};
 pub use options::{Feasible, FitOptions, Reweighting};
 pub use report::FitReport;
 
