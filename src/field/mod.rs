@@ -50,6 +50,7 @@ pub mod smoothness;
 mod system;
 
 use crate::spline::Grid;
+use crate::{Error, Result};
 pub use beyond::Beyond;
 pub use eval::Outputs;
 pub use file::load;
@@ -82,6 +83,32 @@ impl<const D: usize> Field<D> {
         let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
         field.beyond = field.look_at_faces();
         field
+    }
+
+    /// A field of given `control_points`, row-major, the last axis contiguous, in the caller's unit of length, on `grid`. `diagonal` is the D
+    /// that its dimensionless figures shall have. The report is empty but for the counts.
+    pub fn from_control_points(
+        grid: Grid<D>,
+        control_points: Vec<f64>,
+        feasible: Feasible,
+        diagonal: f64,
+    ) -> Result<Self> {
+        domain::check(&grid, diagonal)?;
+        let (n, given) = (grid.n_control(), control_points.len());
+        if n != given {
+            let text = format!("the grid has {n} control points, but {given} are given; as many are needed");
+            return Err(Error::InvalidArgument(text));
+        }
+        if let Some(i) = control_points.iter().position(|c| !c.is_finite()) {
+            let text = format!("control point {i} is {}; it must be finite", control_points[i]);
+            return Err(Error::InvalidArgument(text));
+        }
+        let report = FitReport {
+            control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
+            n_unknowns: n as u64,
+            ..FitReport::default()
+        };
+        Ok(Field::new(grid, control_points, feasible, diagonal, report))
     }
 
     /// The box, its cells and control points.
