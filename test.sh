@@ -63,7 +63,7 @@ tests_named() {
 under_valgrind() {
     local room program
     room=$(mktemp -d)
-    local programs=(lifecycle errors threads golden) data=${KEEPOUT_DATA:-$root/../shared/data}
+    local programs=(lifecycle plane level_sets normals refits errors errors_later threads golden) data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     for program in "${programs[@]}"; do
         echo "$program"
