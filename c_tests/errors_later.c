@@ -486,7 +486,7 @@ static void control_points_that_make_no_field(void) {
     GIVEN_FAILS(diagonal = nan_value, "diagonal is NaN");
     GIVEN_FAILS(numbers[77] = INFINITY, "control point 77 is inf");
 
-    /* Counts whose product, 2^64 + 125 or the like, wraps round to what is given. */
+    /* Counts whose product, 2^93, would wrap round to the 0 that are given. */
     struct given wide = sound();
     ko_field *made = STALE(ko_field);
     wide.counts[0] = wide.counts[1] = wide.counts[2] = 1u << 31;
