@@ -24,6 +24,7 @@ pub mod geometry;
 pub mod linalg;
 pub mod par;
 pub mod progress;
+mod replace;
 pub mod spline;
 
 pub use error::{Error, Result};

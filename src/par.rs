@@ -89,6 +89,22 @@ impl Workers {
         }
     }
 
+    /// Runs `work` on every item, in any order; the error of the first item that failed, in the order of the items.
+    pub fn try_for_each<T: Send>(
+        &self,
+        items: impl IntoIterator<Item = T>,
+        work: impl Fn(T) -> Result<()> + Send + Sync,
+    ) -> Result<()> {
+        match &self.pool {
+            None => items.into_iter().try_for_each(work),
+            Some(pool) => {
+                let items: Vec<T> = items.into_iter().collect();
+                let results: Vec<Result<()>> = pool.install(|| items.into_par_iter().map(work).collect());
+                results.into_iter().collect()
+            }
+        }
+    }
+
     /// The results of `work` on the items 0..n, in that order.
     pub fn map<R: Send>(&self, n: usize, work: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
         match &self.pool {
@@ -124,6 +140,16 @@ mod tests {
             let mut squares = vec![0; 100];
             workers.for_each(squares.iter_mut().enumerate(), |(i, s)| *s = i * i);
             assert_eq!(workers.map(100, |i| i * i), squares);
+        }
+    }
+
+    #[test]
+    fn the_first_error_is_told() {
+        for n_threads in [1, 2, 5] {
+            let workers = Workers::new(n_threads).unwrap();
+            let odd_fails = |i: usize| if i.is_multiple_of(2) { Ok(()) } else { Err(Error::Degenerate(i.to_string())) };
+            assert_eq!(workers.try_for_each((0..100).step_by(2), odd_fails), Ok(()));
+            assert_eq!(workers.try_for_each(6..100, odd_fails), Err(Error::Degenerate("7".into())));
         }
     }
 

@@ -28,6 +28,28 @@ pub fn diagonal<const D: usize>(bounds: &Bounds<D>) -> Result<f64> {
     Ok(d)
 }
 
+/// Refuses a grid or a unit of length that no field can have.
+pub fn check<const D: usize>(grid: &Grid<D>, diagonal: f64) -> Result<()> {
+    if !DIAGONALS.contains(&diagonal) {
+        return Err(Error::InvalidArgument(format!("the diagonal is {diagonal:e}; it must lie in [1e-90, 1e90]")));
+    }
+    for (a, axis) in grid.axes.iter().enumerate() {
+        if axis.n_cells == 0 || axis.n_control() > u32::MAX as usize {
+            let n = axis.n_control();
+            return Err(Error::InvalidArgument(format!(
+                "axis {a} has {n} control points; from 4 to 2^32 - 1 are served"
+            )));
+        }
+        if !(DIAGONALS.contains(&axis.cell) && axis.lower.is_finite() && axis.upper().is_finite()) {
+            return Err(Error::InvalidArgument(format!(
+                "axis {a} begins at {:e} with cells of {:e}; it must be finite, with cells in [1e-90, 1e90]",
+                axis.lower, axis.cell
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// The grid for points within `bounds`, in the caller's units. Counts of 0 in `control_points` are chosen so that cells are close to
 /// cubes and at most `target` control points are used, unless the counts asked for leave no room for that.
 pub fn grid<const D: usize>(

@@ -23,10 +23,11 @@ use super::{Feasible, Field, FitReport};
 use crate::Result;
 use crate::dimension::OfDimension;
 use crate::error::{Error, Place, try_with_capacity};
+use crate::replace::replace;
 use crate::spline::{Axis, Grid};
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Write};
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"\x89KOF\r\n\x1a\n";
 const VERSION: u32 = 1;
@@ -36,30 +37,7 @@ const CHECKSUM: usize = 4;
 impl<const D: usize> Field<D> {
     /// Writes the field to `path`. What stood there is replaced whole or, on failure, left as it was.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        let path = path.as_ref();
-        let io_error = |e: io::Error| Error::io(path, &e);
-        // A device or a pipe cannot be replaced, only written to.
-        if fs::metadata(path).is_ok_and(|m| !m.is_file()) {
-            return self.write_to(File::create(path).map_err(io_error)?).map_err(io_error);
-        }
-        // A link stays a link: its target is replaced.
-        let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let temporary = temporary_beside(&target);
-        let replace = || {
-            let file = File::options().write(true).create_new(true).open(&temporary)?;
-            if let Ok(old) = fs::metadata(&target) {
-                file.set_permissions(old.permissions())?;
-            }
-            self.write_to(file)?;
-            fs::rename(&temporary, &target)
-        };
-        replace().map_err(|e| {
-            // It may never have been made, or belong to someone else by that name; the first error is the one to tell.
-            if e.kind() != io::ErrorKind::AlreadyExists {
-                let _ = fs::remove_file(&temporary);
-            }
-            io_error(e)
-        })
+        replace(path.as_ref(), |out| self.write_to(out))
     }
 
     /// [`load`], for a field whose dimension is known.
@@ -73,9 +51,8 @@ impl<const D: usize> Field<D> {
         Err(Error::Format { path: path.to_owned(), place: Place::Byte(12), message })
     }
 
-    fn write_to(&self, file: File) -> io::Result<()> {
+    fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
         let mut crc = crc32fast::Hasher::new();
-        let mut out = BufWriter::new(file);
         let mut put = |bytes: &[u8]| {
             crc.update(bytes);
             out.write_all(bytes)
@@ -84,13 +61,7 @@ impl<const D: usize> Field<D> {
         for c in &self.coefficients {
             put(&c.to_le_bytes())?;
         }
-        out.write_all(&crc.finalize().to_le_bytes())?;
-        let file = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-        match file.sync_all() {
-            // A device need not know what syncing is.
-            Err(e) if e.kind() == io::ErrorKind::InvalidInput => Ok(()),
-            other => other,
-        }
+        out.write_all(&crc.finalize().to_le_bytes())
     }
 
     fn header(&self) -> Vec<u8> {
@@ -165,15 +136,6 @@ fn read(path: &Path) -> Result<(Header, Vec<f64>)> {
         return Err(wrong(Place::Byte(HEADER + 8 * i), message));
     }
     Ok((fields, coefficients))
-}
-
-/// A name beside `target` that no other save uses.
-fn temporary_beside(target: &Path) -> PathBuf {
-    let mut name = target.file_name().unwrap_or_default().to_owned();
-    let thread = format!("{:?}", std::thread::current().id());
-    let digits: String = thread.chars().filter(char::is_ascii_digit).collect();
-    name.push(format!(".{}-{digits}.tmp", std::process::id()));
-    target.with_file_name(name)
 }
 
 /// What a header says.

@@ -8,6 +8,7 @@ use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust}
 use crate::Result;
 use crate::error::{Error, try_vec};
 use crate::geometry::Cloud;
+use crate::geometry::vec::text;
 use crate::linalg::cg::{self, Stop};
 use crate::par::Workers;
 use crate::progress::Progress;
@@ -42,37 +43,34 @@ impl<const D: usize> Field<D> {
         options.validate::<D>()?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
-        let bounds = cloud.bounds();
         let target = chosen_control_points::<D>(cloud.len());
         let asked_for = std::array::from_fn(|a| options.control_points[a]);
-        let grid = domain::grid(&bounds, options.margin, asked_for, target)?;
+        let grid = domain::grid(&cloud.bounds(), options.margin, asked_for, target)?;
         check_size(cloud.len(), &grid, options.memory_limit)?;
-        let d = bounds.diagonal();
-        let workers = Workers::new(options.n_threads)?;
-        let report = FitReport {
-            control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
-            n_points: cloud.len() as u64,
-            n_unknowns: grid.n_control() as u64,
-            ..FitReport::default()
-        };
+        let start = try_vec(grid.n_control(), 0.0, "the control points")?;
+        fit_on(grid, start, cloud, options, progress)
+    }
 
-        progress.tell(0.0, "assembly")?;
-        let data = Data::new(cloud, &grid)?;
-        let energy = Energy::new(data, in_units_of(&grid, d), options.weights())?;
-        let mut fitting = Fitting { options, workers: &workers, clock: Instant::now(), energy, report };
-        let mut coefficients = match options.reweighting {
-            Reweighting::Largest => fitting.against_the_largest_error(progress)?,
-            Reweighting::Robust => fitting.robustly(progress)?,
-        };
-        coefficients.iter_mut().for_each(|c| *c *= d);
-
-        progress.tell(0.98, "check")?;
-        let Fitting { report, clock, .. } = fitting;
-        let mut field = Field::new(grid, coefficients, options.feasible, d, report);
-        field.measure(cloud)?;
-        field.report.seconds_check = clock.elapsed().as_secs_f64();
-        progress.tell(1.0, "done")?;
-        Ok(field)
+    /// Fits a field to another `cloud` on this field's box, from its control points on: for a shape that moves a little from fit to fit,
+    /// which then takes few iterations. Control points and margin of the options do not count. [`Error::InvalidArgument`] for a point
+    /// outside the box.
+    pub fn refit(&self, cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
+        options.validate::<D>()?;
+        let counted = cloud.counted()?;
+        let cloud = counted.as_ref().unwrap_or(cloud);
+        let in_box =
+            |p: &[f64; D]| p.iter().zip(&self.grid.axes).all(|(x, axis)| (axis.lower..=axis.upper()).contains(x));
+        if let Some(i) = cloud.points().iter().position(|p| !in_box(p)) {
+            let p = text(&cloud.points()[i]);
+            return Err(Error::InvalidArgument(format!(
+                "point {i} is {p}, outside the field's box; fit anew, or with a larger margin before"
+            )));
+        }
+        check_size(cloud.len(), &self.grid, options.memory_limit)?;
+        let d = domain::diagonal(&cloud.bounds())?;
+        let mut start = try_vec(self.coefficients.len(), 0.0, "the control points")?;
+        start.iter_mut().zip(&self.coefficients).for_each(|(s, c)| *s = c / d);
+        fit_on(self.grid, start, cloud, options, progress)
     }
 
     /// Fills the report with the errors at the points of `cloud`.
@@ -98,6 +96,42 @@ impl<const D: usize> Field<D> {
     }
 }
 
+/// The fit on `grid`, from control points `start` on, in units of D.
+fn fit_on<const D: usize>(
+    grid: Grid<D>,
+    start: Vec<f64>,
+    cloud: &Cloud<D>,
+    options: &FitOptions,
+    progress: &mut Progress,
+) -> Result<Field<D>> {
+    let d = domain::diagonal(&cloud.bounds())?;
+    let workers = Workers::new(options.n_threads)?;
+    let report = FitReport {
+        control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
+        n_points: cloud.len() as u64,
+        n_unknowns: grid.n_control() as u64,
+        ..FitReport::default()
+    };
+
+    progress.tell(0.0, "assembly")?;
+    let data = Data::new(cloud, &grid)?;
+    let energy = Energy::new(data, in_units_of(&grid, d), options.weights())?;
+    let mut fitting = Fitting { options, workers: &workers, clock: Instant::now(), energy, report };
+    let mut coefficients = match options.reweighting {
+        Reweighting::Largest => fitting.against_the_largest_error(start, progress)?,
+        Reweighting::Robust => fitting.robustly(start, progress)?,
+    };
+    coefficients.iter_mut().for_each(|c| *c *= d);
+
+    progress.tell(0.98, "check")?;
+    let Fitting { report, clock, .. } = fitting;
+    let mut field = Field::new(grid, coefficients, options.feasible, d, report);
+    field.measure(cloud)?;
+    field.report.seconds_check = clock.elapsed().as_secs_f64();
+    progress.tell(1.0, "done")?;
+    Ok(field)
+}
+
 /// A fit on its way.
 struct Fitting<'a, const D: usize> {
     options: &'a FitOptions,
@@ -117,11 +151,10 @@ struct Round {
 }
 
 impl<const D: usize> Fitting<'_, D> {
-    /// The minimum, with points that the surface misses weighted more in later rounds.
-    fn against_the_largest_error(&mut self, progress: &mut Progress) -> Result<Vec<f64>> {
+    /// The minimum from `x` on, with points that the surface misses weighted more in later rounds.
+    fn against_the_largest_error(&mut self, mut x: Vec<f64>, progress: &mut Progress) -> Result<Vec<f64>> {
         self.hold_distances(progress)?;
         let rounds = self.options.reweightings;
-        let mut x = try_vec(self.energy.grid().n_control(), 0.0, "the control points")?;
         for index in 0..=rounds {
             if index > 0 {
                 let misfits = self.misfits(&x)?;
@@ -134,11 +167,10 @@ impl<const D: usize> Fitting<'_, D> {
         Ok(x)
     }
 
-    /// The minimum, with points that disagree with the others left out: from a much smoother field on, which they cannot bend, to the one
+    /// The minimum from `x` on, with points that disagree with the others left out: from a much smoother field on, which they cannot bend, to the one
     /// asked for. Distances are then measured to the points that are left.
-    fn robustly(&mut self, progress: &mut Progress) -> Result<Vec<f64>> {
+    fn robustly(&mut self, mut x: Vec<f64>, progress: &mut Progress) -> Result<Vec<f64>> {
         let rounds = self.options.reweightings;
-        let mut x = try_vec(self.energy.grid().n_control(), 0.0, "the control points")?;
         let step = robust::START.powf(1.0 / f64::from(rounds.max(1)));
         self.energy.smoothen(robust::START);
         for index in 0..rounds {

@@ -14,6 +14,7 @@
 //! | (10), the energy | [`energy`] |
 //! | (11), its minimum, Algorithm 1, step 4 | [`fit`] |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
+//! | the zero contour of its figures, and any other | [`level_set`]; values on slices and boxes: [`lattice`] |
 //!
 //! Where we depart:
 //! - The regularisation is integrated exactly; sampled at control points, (8), the matrix is singular: see [`crate::spline::gram`].
@@ -38,6 +39,9 @@ pub mod energy;
 pub mod eval;
 pub mod file;
 pub mod fit;
+pub mod function;
+pub mod lattice;
+pub mod level_set;
 mod options;
 mod report;
 pub mod reweight;
@@ -46,9 +50,13 @@ pub mod smoothness;
 mod system;
 
 use crate::spline::Grid;
+use crate::{Error, Result};
 pub use beyond::Beyond;
 pub use eval::Outputs;
 pub use file::load;
+pub use function::Function;
+pub use lattice::Lattice;
+pub use level_set::{LevelSet, LevelSetOptions};
 pub use options::{Feasible, FitOptions, Reweighting};
 pub use report::FitReport;
 
@@ -75,6 +83,32 @@ impl<const D: usize> Field<D> {
         let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
         field.beyond = field.look_at_faces();
         field
+    }
+
+    /// A field of given `control_points`, row-major, the last axis contiguous, in the caller's unit of length, on `grid`. `diagonal` is the D
+    /// that its dimensionless figures shall have. The report is empty but for the counts.
+    pub fn from_control_points(
+        grid: Grid<D>,
+        control_points: Vec<f64>,
+        feasible: Feasible,
+        diagonal: f64,
+    ) -> Result<Self> {
+        domain::check(&grid, diagonal)?;
+        let (n, given) = (grid.n_control(), control_points.len());
+        if n != given {
+            let text = format!("the grid has {n} control points, but {given} are given; as many are needed");
+            return Err(Error::InvalidArgument(text));
+        }
+        if let Some(i) = control_points.iter().position(|c| !c.is_finite()) {
+            let text = format!("control point {i} is {}; it must be finite", control_points[i]);
+            return Err(Error::InvalidArgument(text));
+        }
+        let report = FitReport {
+            control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
+            n_unknowns: n as u64,
+            ..FitReport::default()
+        };
+        Ok(Field::new(grid, control_points, feasible, diagonal, report))
     }
 
     /// The box, its cells and control points.

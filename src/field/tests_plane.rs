@@ -76,6 +76,29 @@ fn derivatives_agree_with_differences_inside_outside_and_on_the_faces() {
 }
 
 #[test]
+fn a_refit_of_a_shape_that_moved_a_little_is_the_fit_and_takes_fewer_iterations() -> Result<()> {
+    let options = FitOptions { tolerance: 1e-9, ..FitOptions::default() };
+    let field = fit(&ellipse(500), &options);
+    let moved = ellipse(500).points().iter().map(|p| add(*p, [1e-3, 0.0])).collect();
+    let moved = Cloud::new(moved, ellipse(500).normals().to_vec())?;
+    let again = field.refit(&moved, &options, &mut Progress::silent())?;
+    assert_eq!(field.grid(), again.grid());
+    let blank =
+        Field::from_control_points(*field.grid(), vec![0.0; field.coefficients().len()], Feasible::Outside, 1.0)?;
+    let anew = blank.refit(&moved, &options, &mut Progress::silent())?;
+    for (a, b) in again.coefficients().iter().zip(anew.coefficients()) {
+        assert!((a - b).abs() < 1e-5, "{a} {b}");
+    }
+    let (few, many) = (again.report().iterations, anew.report().iterations);
+    assert!(few < many, "{few} {many}");
+    let outside = Cloud::new(vec![[0.0, 0.0], [9.0, 0.0]], vec![[1.0, 0.0]; 2])?;
+    assert!(
+        field.refit(&outside, &options, &mut Progress::silent()).unwrap_err().to_string().contains("point 1 is (9, 0)")
+    );
+    Ok(())
+}
+
+#[test]
 fn points_of_weight_0_are_as_if_they_were_not_there() -> Result<()> {
     let cloud = ellipse(300);
     let points = [cloud.points(), &[[5.0, 5.0], [0.0, 0.1]]].concat();

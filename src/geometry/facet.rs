@@ -20,7 +20,7 @@ pub(super) const fn all_directions<const D: usize>() -> f64 {
 /// The unit normal times the length of a segment, or twice the area of a triangle. A segment's lies to its right: out of a solid on its
 /// left.
 #[inline]
-pub(super) fn normal<const D: usize>(corners: &[[f64; D]; D]) -> [f64; D] {
+pub(crate) fn normal<const D: usize>(corners: &[[f64; D]; D]) -> [f64; D] {
     let along = sub(corners[1], corners[0]);
     match D {
         2 => cut([along[1], -along[0], 0.0]),

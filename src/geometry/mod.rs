@@ -31,12 +31,13 @@
 mod along_curves;
 pub mod bounds;
 mod bvh;
+mod chains;
 pub mod cloud;
 mod crossings;
 pub mod distance;
 mod edges;
 mod eliminate;
-mod facet;
+pub(crate) mod facet;
 pub mod mesh;
 mod morton;
 pub mod neighbours;
@@ -56,8 +57,10 @@ mod triangle;
 mod unit;
 pub mod vec;
 mod winding;
+pub mod write;
 
 pub use bounds::Bounds;
+pub use chains::Polylines;
 pub use cloud::{Cloud, Origin};
 pub use distance::{ClosestPoint, DistanceTree};
 pub use mesh::Mesh;

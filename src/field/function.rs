@@ -1,0 +1,23 @@
+//! What slices and level sets ask of a function: values and gradients at many points at once.
+
+use super::{Field, Outputs};
+use crate::Result;
+
+/// A continuously differentiable function of D coordinates that may be asked from several threads at once.
+pub trait Function<const D: usize>: Sync {
+    /// Values `[n]` at `points` [n x D], on the caller's thread.
+    fn values(&self, points: &[[f64; D]], values: &mut [f64]) -> Result<()>;
+
+    /// Values `[n]` and gradients [n x D] at `points` [n x D], on the caller's thread.
+    fn gradients(&self, points: &[[f64; D]], values: &mut [f64], gradients: &mut [[f64; D]]) -> Result<()>;
+}
+
+impl<const D: usize> Function<D> for Field<D> {
+    fn values(&self, points: &[[f64; D]], values: &mut [f64]) -> Result<()> {
+        self.eval(points, Outputs { values: Some(values), ..Outputs::default() })
+    }
+
+    fn gradients(&self, points: &[[f64; D]], values: &mut [f64], gradients: &mut [[f64; D]]) -> Result<()> {
+        self.eval(points, Outputs { values: Some(values), gradients: Some(gradients), hessians: None })
+    }
+}

@@ -1,0 +1,216 @@
+//! Level sets {phi = level} as meshes: triangles in space, segments in the plane, by one code path.
+//!
+//! Takes a function on a box of cells; gives vertices on the level set and facets oriented as the boundary of the solid: out of the side
+//! where the design may not be. Watertight by construction wherever the level set stays within the box: every ridge (an edge in space, a
+//! vertex in the plane) between two facets, every vertex in one fan. Where it meets the box it is left open, and the ridges there are
+//! counted.
+//!
+//! Notation: f = phi - level; lattice, the cells cut into `subdivisions` along each axis; crossing, an edge of the lattice between values
+//! of different sign; h the length of the result's edges: that of a lattice edge, or what edges are collapsed to.
+//!
+//! | step | source | here |
+//! |---|---|---|
+//! | f at the lattice vertices | | `cubes.rs`, [`super::lattice`] |
+//! | crossed edges, numbered | | `crossings.rs` |
+//! | vertices: roots on crossed edges | safeguarded Newton | `roots.rs` |
+//! | cases of a cube | Kuhn 1960, Freudenthal 1942 | `kuhn.rs` |
+//! | facets | Allgower and Gnutzmann 1987, marching simplices | `assemble.rs` |
+//! | short edges collapsed | Dey et al. 1999, link condition; Hoppe 1996 | `collapse.rs`, `rings.rs`, `quality.rs` |
+//! | vertices moved along the level set | Freitag 1997, smart smoothing | `relax.rs` |
+//! | segments joined to curves | | [`Mesh::polylines`] |
+//!
+//! Where we depart: vertices are roots of the function itself, not of its linear interpolant, so they lie on the level set to rounding,
+//! but for those within 1e-9 of a lattice vertex, which keep that distance from it (in edges).
+//!
+//! The facets are a piecewise linear stand-in: between its vertices the level set is missed by about h^2 times an eighth of its curvature,
+//! and what is smaller than h may be missed or joined. Self-intersections are not looked for; marching simplices make none before edges
+//! are collapsed.
+
+mod assemble;
+mod collapse;
+mod crossings;
+mod cubes;
+mod kuhn;
+mod options;
+mod quality;
+mod relax;
+mod rings;
+mod roots;
+#[cfg(test)]
+mod tests;
+
+use super::{Field, Function};
+use crate::Result;
+use crate::error::{Error, try_vec};
+use crate::geometry::Mesh;
+use crate::par::Workers;
+use crate::progress::Progress;
+use crate::spline::Axis;
+use crossings::Crossings;
+use cubes::Cubes;
+use kuhn::CubeEdge;
+pub use options::LevelSetOptions;
+use relax::Relaxation;
+
+/// A level set in a box of D dimensions, as a simplicial mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelSet<const D: usize> {
+    vertices: Vec<[f64; D]>,
+    facets: Vec<[u32; D]>,
+    boundary: usize,
+}
+
+impl<const D: usize> LevelSet<D> {
+    /// Vertices [V x D], in the caller's units. Each is used, no two are equal.
+    pub fn vertices(&self) -> &[[f64; D]] {
+        &self.vertices
+    }
+
+    /// Vertex indices of the facets [F x D]: triangles counter-clockwise seen from outside the solid, segments with the solid on their
+    /// left.
+    pub fn facets(&self) -> &[[u32; D]] {
+        &self.facets
+    }
+
+    /// Edges in space, vertices in the plane, at which the surface is open because it meets the box; 0 when it is closed.
+    pub fn boundary(&self) -> usize {
+        self.boundary
+    }
+
+    /// The level set as a mesh.
+    pub fn into_mesh(self) -> Result<Mesh<D>> {
+        Mesh::new(self.vertices, self.facets)
+    }
+}
+
+/// The function whose level set is asked for, and the box in which.
+#[derive(Debug, Clone, Copy)]
+pub struct Question<'a, F, const D: usize> {
+    /// The function.
+    pub phi: &'a F,
+    /// The box and its cells.
+    pub axes: [Axis; D],
+    /// The level.
+    pub level: f64,
+    /// 1 when phi grows out of the solid, -1 when it grows into it: normals run along this times grad phi.
+    pub outward: f64,
+}
+
+impl<const D: usize> Field<D> {
+    /// The level set {phi = `level`}, `level` in the caller's unit of length, within the field's box: for level 0 the fitted shape, for
+    /// others a shape about that far from it. Normals point out of the solid, to where phi grows when the feasible side is outside, to
+    /// where it falls when inside.
+    ///
+    /// The same bits on any number of threads. Cost: an evaluation at each lattice vertex, about 5 with gradient at each crossing.
+    /// [`Error::Degenerate`] where phi does not take the level on the lattice, naming the range that it takes; [`Error::OutOfMemory`]
+    /// beforehand, where the lattice or the surface would take more than the limit.
+    pub fn level_set(&self, level: f64, options: &LevelSetOptions, progress: &mut Progress) -> Result<LevelSet<D>> {
+        let outward = self.feasible.sign();
+        extract(&Question { phi: self, axes: self.grid.axes, level, outward }, options, progress)
+    }
+}
+
+/// A surface in the making.
+#[derive(Debug, Clone)]
+struct Surface<const D: usize> {
+    vertices: Vec<[f64; D]>,
+    /// Unit normals of the level set at the vertices.
+    normals: Vec<[f64; D]>,
+    /// Faces of the box that hold each vertex, as bits; 0 inside.
+    faces: Vec<u8>,
+    facets: Vec<[u32; D]>,
+}
+
+/// Bytes per vertex of the raw surface: place, normal, faces, crossing, with facets (two a vertex), rings, the heap of short edges and the
+/// moves.
+const VERTEX_BYTES: u128 = 320;
+
+/// The level set that `question` asks for: see [`Field::level_set`].
+pub fn extract<F: Function<D>, const D: usize>(
+    question: &Question<F, D>,
+    options: &LevelSetOptions,
+    progress: &mut Progress,
+) -> Result<LevelSet<D>> {
+    options.validate()?;
+    let &Question { phi, axes, level, outward } = question;
+    if !level.is_finite() {
+        return Err(Error::InvalidArgument(format!("the level is {level}; it must be finite")));
+    }
+    let cubes = Cubes::new(axes, options.subdivisions)?;
+    let lattice_bytes = cubes.len() as u128 * (size_of::<f64>() as u128 + Crossings::BYTES);
+    check_memory(lattice_bytes, &cubes, options.memory_limit)?;
+    let workers = Workers::new(options.n_threads)?;
+
+    let mut f = try_vec(cubes.len(), 0.0, "the values on the lattice")?;
+    cubes.lattice()?.eval(phi, &mut f, None, &workers, |done| progress.tell(0.4 * done, "lattice"))?;
+    f.iter_mut().for_each(|f| *f -= level);
+    let crossings = Crossings::find(&cubes, &f, &workers)?;
+    if crossings.len == 0 {
+        return Err(out_of_reach(&f, level));
+    }
+    check_memory(lattice_bytes + crossings.len as u128 * VERTEX_BYTES, &cubes, options.memory_limit)?;
+
+    let edges = crossings.list(&cubes)?;
+    let tell = |done| progress.tell(0.4 + 0.2 * done, "vertices");
+    let mut surface = roots::find(phi, level, outward, (&cubes, &f), &edges, &workers, tell)?;
+    drop(edges);
+    surface.facets = assemble::facets(&cubes, &f, &crossings, outward, &workers)?;
+    drop((f, crossings));
+    let shortest = options.shortest_edge * axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
+    // The size of the result's facets.
+    let h = cubes.shortest_edge().max(shortest);
+    if shortest > 0.0 {
+        progress.tell(0.6, "collapse")?;
+        collapse::collapse(&mut surface, shortest, h, progress)?;
+    }
+    let relaxation = Relaxation { phi, level, sign: outward, h, lower: cubes.lower, upper: cubes.upper };
+    let tell = |done| progress.tell(0.8 + 0.2 * done, "relaxation");
+    relaxation.run(&mut surface, options.relaxations, &workers, tell)?;
+    progress.tell(1.0, "done")?;
+    let boundary = count_boundary(&surface);
+    Ok(LevelSet { vertices: surface.vertices, facets: surface.facets, boundary })
+}
+
+/// Ridges on the faces of the box: what is open.
+fn count_boundary<const D: usize>(surface: &Surface<D>) -> usize {
+    if D == 2 {
+        return surface.faces.iter().filter(|faces| **faces != 0).count();
+    }
+    // Each edge on a face of the box is in one triangle, and an edge between two vertices of one face that is not on the boundary is in
+    // two; so it is counted by its sides.
+    let on_box = |v: u32| surface.faces[v as usize] != 0;
+    let mut sides: Vec<[u32; 2]> = Vec::new();
+    for facet in &surface.facets {
+        for k in 0..D {
+            let (a, b) = (facet[k], facet[(k + 1) % D]);
+            if on_box(a) && on_box(b) {
+                sides.push([a.min(b), a.max(b)]);
+            }
+        }
+    }
+    sides.sort_unstable();
+    sides.chunk_by(|a, b| a == b).filter(|sides| sides.len() == 1).count()
+}
+
+/// Refuses what would take more than `limit` bytes.
+fn check_memory<const D: usize>(bytes: u128, cubes: &Cubes<D>, limit: u64) -> Result<()> {
+    if bytes <= u128::from(limit) {
+        return Ok(());
+    }
+    let shape = cubes.shape.map(|n| n.to_string()).join(" x ");
+    Err(Error::OutOfMemory {
+        what: format!("a level set on a lattice of {shape} points"),
+        bytes,
+        limit: Some(u128::from(limit)),
+    })
+}
+
+/// Why there is no level set where f has one sign.
+fn out_of_reach(f: &[f64], level: f64) -> Error {
+    let (low, high) = f.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &f| (l.min(f), h.max(f)));
+    Error::Degenerate(format!(
+        "the level {level} is not reached: on the lattice phi runs from {} to {}; choose a level between",
+        low + level,
+        high + level
+    ))
+}
