@@ -32,6 +32,7 @@ packages() {
     need g++ command -v c++
     need libc6-dev test -f /usr/include/stdio.h
     need gfortran command -v gfortran
+    need python3-numpy find_numpy
     need binutils command -v objcopy
     need cmake command -v cmake
     need ninja-build command -v ninja
