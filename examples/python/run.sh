@@ -13,7 +13,7 @@ need make command -v make
 need cmake command -v cmake
 need python3-numpy find_numpy
 install_missing
-find_numpy
+find_numpy || { echo "examples/python/run.sh: no Python has NumPy; set PYTHON to one that has" >&2; exit 1; }
 
 cmake -S "$top" -B "$build" -DCMAKE_BUILD_TYPE=Release -DKEEPOUT_BUILD_EXAMPLES=OFF -DKEEPOUT_BUILD_BENCHES=OFF \
   -DKEEPOUT_BUILD_TESTS=OFF -DKEEPOUT_CARGO_TARGET_DIR="$top/build/example/cargo" >&2
