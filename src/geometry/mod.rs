@@ -14,6 +14,7 @@
 //! | Jacobson et al. 2013, winding number | `winding::Winding::exact` |
 //! | Barill et al. 2018, its far field; winding number of a cloud | `winding::Moments::far_field`; [`surfels`] |
 //! | Wald 2007, binned surface area heuristic | `bvh` |
+//! | paper 000, section 4.5, smoothing; Alexa et al. 2003, moving least squares | [`smooth`] |
 //! | Morton 1966, Z curve | `morton` |
 //! | Yuksel 2015, sample elimination | `eliminate` |
 //! | Shewchuk 1997, exact orientation of three points | `predicate` |
@@ -52,6 +53,7 @@ pub mod report;
 pub mod sample;
 mod segment;
 pub mod shapes;
+pub mod smooth;
 pub mod surfels;
 mod triangle;
 mod unit;

@@ -5,4 +5,5 @@
 #![forbid(unsafe_code)]
 
 pub mod cg;
+pub mod dense;
 pub mod vector;
