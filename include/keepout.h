@@ -29,6 +29,11 @@
 #define KO_OK 0
 
 /**
+ * A success with a remark: the level set meets the field's box, and its mesh is open there.
+ */
+#define KO_OPEN_AT_BOX 1
+
+/**
  * An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
  */
 #define KO_ERR_INVALID_ARGUMENT -1
@@ -87,6 +92,31 @@
  * Bit of `ko_capabilities`: files compressed by gzip are read.
  */
 #define KO_CAPABILITY_GZIP 2
+
+/**
+ * Bit of `ko_capabilities`: curves and fields in the plane.
+ */
+#define KO_CAPABILITY_2D 4
+
+/**
+ * Bit of a point's flags: it lies at the very place of an earlier point, whose normal it shares.
+ */
+#define KO_POINT_COPY 1
+
+/**
+ * Bit of a point's flags: it is far from its neighbours, for how near those are to theirs.
+ */
+#define KO_POINT_OUTLIER 2
+
+/**
+ * Bit of a point's flags: it lies on a line with its neighbours; no plane could be told, and its normal is one of many.
+ */
+#define KO_POINT_DEGENERATE 4
+
+/**
+ * Bit of a point's flags: its neighbours ask, in sum, for the other sign of its normal.
+ */
+#define KO_POINT_DOUBTFUL 8
 
 /**
  * phi > 0 on the side that the normals point to: outside a solid. grad phi = +n on the surface.
@@ -210,8 +240,81 @@ typedef struct ko_mesh_report {
 typedef int32_t (*ko_progress)(double fraction, const char *stage, void *data);
 
 /**
- * Options of `ko_field_fit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit: lengths are taken in
- * units of D, the diagonal of the cloud's bounding box.
+ * Options of `ko_cloud_estimate_normals`. Initialise by `ko_normal_options_init`, then set what shall differ.
+ */
+typedef struct ko_normal_options {
+    /**
+     * sizeof(ko_normal_options), set by ko_normal_options_init.
+     */
+    size_t struct_size;
+    /**
+     * Nearest neighbours that a normal is taken from, in [3, 64]; 0 (the default) for 10 in space and 4 in the plane. More smooth noise, and
+     * edges with it.
+     */
+    uint32_t neighbours;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * A point whose mean distance to its neighbours is this many times the median of theirs is an outlier; above 1. Default 2.5.
+     */
+    double outlier_factor;
+    /**
+     * Bytes that the call may take; more is refused before any is taken. Default 8 GiB.
+     */
+    uint64_t memory_limit;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_normal_options;
+
+/**
+ * What an estimate of normals found. Filled by `ko_cloud_estimate_normals`, the `flags` of which tell which points are counted here.
+ */
+typedef struct ko_normal_report {
+    /**
+     * sizeof(ko_normal_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * Parts that neighbours connect; each has a sign of its own.
+     */
+    uint64_t n_components;
+    /**
+     * Points at the place of an earlier one: KO_POINT_COPY.
+     */
+    uint64_t n_copies;
+    /**
+     * Points far from their neighbours: KO_POINT_OUTLIER.
+     */
+    uint64_t n_outliers;
+    /**
+     * Points on a line with their neighbours: KO_POINT_DEGENERATE.
+     */
+    uint64_t n_degenerate;
+    /**
+     * Points whose neighbours ask for the other sign: KO_POINT_DOUBTFUL.
+     */
+    uint64_t n_doubtful;
+    /**
+     * Of what all pairs of neighbours ask for, by weight, the fraction that the signs meet: 1 is all. Below 0.9, look at the result.
+     */
+    double agreement;
+    /**
+     * Seconds of the call.
+     */
+    double seconds;
+} ko_normal_report;
+
+/**
+ * Options of `ko_field_fit` and `ko_field_refit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit:
+ * lengths are taken in units of D, the diagonal of the cloud's bounding box.
  */
 typedef struct ko_fit_options {
     /**
@@ -369,6 +472,50 @@ typedef struct ko_fit_report {
     uint64_t n_outliers;
 } ko_fit_report;
 
+/**
+ * Options of `ko_field_level_set`. Initialise by `ko_level_set_options_init`, then set what shall differ.
+ */
+typedef struct ko_level_set_options {
+    /**
+     * sizeof(ko_level_set_options), set by ko_level_set_options_init.
+     */
+    size_t struct_size;
+    /**
+     * Lattice edges per cell of the field, along each axis, in [1, 1024]. What is thinner than a lattice edge may be missed, or joined: this
+     * decides the topology, and most of the cost. Default 4.
+     */
+    uint32_t subdivisions;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Edges of the result shorter than this fraction of the field's shortest cell edge are collapsed, where that changes neither topology
+     * nor side and bends nothing far from the level set; in [0, 1], 0 keeps them all. It decides the size of the result. Default 0.3.
+     */
+    double shortest_edge;
+    /**
+     * Rounds in which vertices move along the level set towards the middle of their neighbours; at most 1000. Default 6.
+     */
+    uint32_t relaxations;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Bytes that the call may take; more is refused before it is taken. Default 8 GiB.
+     */
+    uint64_t memory_limit;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_level_set_options;
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -411,6 +558,18 @@ uint64_t ko_capabilities(void);
  */
 int32_t ko_mesh_read(const char *path,
                      struct ko_mesh **mesh);
+
+/**
+ * Writes the mesh to the file `path`, in the format that its ending names: .obj, .off, .ply or .stl, in small letters or capitals.
+ *
+ * OBJ, OFF and PLY (binary) hold every bit of the coordinates; STL (binary) rounds them to `float`, and vertices that become one are one
+ * when it is read. A mesh of the plane is written as OBJ: lines, z = 0. A file that stood there is replaced whole or, after an error, left
+ * as it was. `path` is UTF-8 on Windows, bytes elsewhere.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL, an empty path, or a coordinate that an STL cannot hold; KO_ERR_UNSUPPORTED for other endings;
+ * KO_ERR_IO. Threads: any. Cost: one pass.
+ */
+int32_t ko_mesh_write(const struct ko_mesh *mesh,
+                      const char *path);
 
 /**
  * Makes a mesh from `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles], indices from 0, counter-clockwise seen from outside.
@@ -475,6 +634,32 @@ int32_t ko_mesh_copy(const struct ko_mesh *mesh,
                      uint32_t *triangles);
 
 /**
+ * Tells how many points and polylines `ko_mesh_copy_polylines` gives of a mesh of the plane. Either output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for no mesh and for one of space; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_vertices), with some 30
+ * bytes a vertex taken meanwhile.
+ */
+int32_t ko_mesh_get_polylines_size(const struct ko_mesh *mesh,
+                                   size_t *n_points,
+                                   size_t *n_loops);
+
+/**
+ * Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of which
+ * polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
+ *
+ * Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A solid
+ * lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
+ * Errors: KO_ERR_INVALID_ARGUMENT, also for a mesh of space and for other counts; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: that of
+ * `ko_mesh_get_polylines_size`, and a copy.
+ */
+int32_t ko_mesh_copy_polylines(const struct ko_mesh *mesh,
+                               size_t n_points,
+                               size_t n_loops,
+                               double *points,
+                               size_t *loop_starts,
+                               uint8_t *closed);
+
+/**
  * Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
  *
  * `struct_size` is sizeof *report. Errors: KO_ERR_INVALID_ARGUMENT, KO_ERR_OUT_OF_MEMORY. Threads: any.
@@ -495,8 +680,9 @@ int32_t ko_mesh_flip(struct ko_mesh *mesh);
  * Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud; of curves in the
  * plane evenly by length.
  *
- * Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
- * coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
+ * Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and
+ * barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's
+ * to free.
  * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
  * Threads: any. Cost: O(n_points log n_points + n_triangles).
  */
@@ -520,8 +706,10 @@ int32_t ko_mesh_signed_distance(const struct ko_mesh *mesh,
 /**
  * Makes a cloud from `points` [dim * n_points] with `normals` [dim * n_points] out of the solid, of any length but 0.
  *
- * `dim` is 2 or 3. This version needs normals: KO_ERR_UNSUPPORTED answers NULL normals (to be estimated). The arrays are copied. `*cloud` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for no points, for a point or normal that is not finite and for
- * a normal of length 0, naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
+ * `dim` is 2 or 3. NULL normals are estimated, on all cores, by `ko_cloud_estimate_normals` with its default options, where the errors and
+ * the cost of that are told. The arrays are copied. `*cloud` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30, for a point or normal that is not finite and for a normal of length 0,
+ * naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
  */
 int32_t ko_cloud_from_points(uint32_t dim,
                              const double *points,
@@ -579,6 +767,39 @@ int32_t ko_cloud_copy_origins(const struct ko_cloud *cloud,
  *
  * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
  */
+int32_t ko_normal_options_init(struct ko_normal_options *options, size_t struct_size);
+
+/**
+ * Makes a cloud from `points` [dim * n_points] that come without normals: a plane through each point's neighbours (Hoppe et al. 1992), and
+ * signs that agree, the most sure ones first.
+ *
+ * `dim` is 2 or 3. `options` NULL: the defaults. All points stay, in their order. Closed parts face outward; a part inside an odd number of
+ * others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of their largest
+ * coordinate. Sides of a sheet nearer to each other than the points of one side are not told apart.
+ * `*cloud` is the caller's to free. `flags` [n_points] gets an or of KO_POINT_ bits for each point, 0 for most, and `report`, of
+ * `report_size` bytes (sizeof *report), what was found; either may be NULL. To leave points out of fits, give them weight 0 by
+ * `ko_cloud_set_weights`. The array is copied. The same points give the same bits.
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer than dim + 1 points or more than 2^30 / dim, for one that is not finite, naming the first, and for
+ * an option out of its range; KO_ERR_DEGENERATE for points at fewer than dim + 1 places and for points of space all on a line;
+ * KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY with the bytes that it would take;
+ * KO_ERR_CANCELLED.
+ * Threads: any; `progress` is called on the caller's. Cost: O(n_points log n_points), some 20 microseconds a point of space on one
+ * thread. Memory: at most 1000 bytes a point and 32 a neighbour.
+ */
+int32_t ko_cloud_estimate_normals(uint32_t dim,
+                                  const double *points,
+                                  size_t n_points,
+                                  const struct ko_normal_options *options,
+                                  struct ko_cloud **cloud,
+                                  uint8_t *flags,
+                                  size_t report_size,
+                                  struct ko_normal_report *report);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
 int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
 
 /**
@@ -596,6 +817,51 @@ int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
 int32_t ko_field_fit(const struct ko_cloud *cloud,
                      const struct ko_fit_options *options,
                      struct ko_field **field);
+
+/**
+ * Fits a field to `cloud` on the box of `start`, from its control points on: for a shape that moves a little from fit to fit, which then
+ * takes few iterations.
+ *
+ * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
+ * `start` nor the cloud, and `start` stays as it is.
+ * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension and for a point outside the box, naming the
+ * first. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
+ */
+int32_t ko_field_refit(const struct ko_field *start,
+                       const struct ko_cloud *cloud,
+                       const struct ko_fit_options *options,
+                       struct ko_field **field);
+
+/**
+ * Makes a field (5) of given control points: one that another library fitted, say, or an optimiser moved.
+ *
+ * `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max` [dim],
+ * an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last axis
+ * contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible` is
+ * KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is 0.
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer control points along an axis, for another number of them in all, for one that is not finite,
+ * naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a
+ * copy.
+ */
+int32_t ko_field_from_control_points(uint32_t dim,
+                                     const uint32_t *counts,
+                                     const double *box_min,
+                                     const double *box_max,
+                                     int32_t feasible,
+                                     double diagonal,
+                                     const double *control_points,
+                                     size_t n_control_points,
+                                     struct ko_field **field);
+
+/**
+ * Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of length.
+ *
+ * `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
+ * KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+ */
+int32_t ko_field_get_control_points(const struct ko_field *field,
+                                    size_t n_control_points,
+                                    double *control_points);
 
 /**
  * Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],
@@ -636,6 +902,27 @@ int32_t ko_field_eval_parallel(const struct ko_field *field,
                                uint32_t n_threads);
 
 /**
+ * Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim] plus
+ * i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
+ *
+ * `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last index
+ * fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads` threads
+ * (0: all cores, 1: none but the caller's), with the same bits on any number.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a number of steps out of range, a count of 0, more points than memory can count, an origin or step
+ * that is not finite, a corner of the lattice beyond 1e150, more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads that do not start.
+ * Nothing is written then.
+ * Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096 points.
+ */
+int32_t ko_field_eval_lattice(const struct ko_field *field,
+                              const double *origin,
+                              const double *steps,
+                              const size_t *counts,
+                              uint32_t n_steps,
+                              double *values,
+                              double *gradients,
+                              uint32_t n_threads);
+
+/**
  * Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
@@ -674,6 +961,35 @@ int32_t ko_field_load(const char *path,
  * Frees a field. NULL is taken. No other thread may be using it.
  */
 void ko_field_free(struct ko_field *field);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_level_set_options_init(struct ko_level_set_options *options, size_t struct_size);
+
+/**
+ * Makes a mesh of the level set phi = `level` within the field's box: triangles in space, curves in the plane.
+ *
+ * `level` is in the cloud's unit of length: 0 gives the fitted shape, others a shape about that far from it, on the feasible side where
+ * they are above 0. `options` NULL: the defaults.
+ * Normals point out of the solid, and a solid lies on the left of curves, wherever the feasible side is. Vertices lie on the level set
+ * but for rounding; between them it is missed by about an eighth of the square of an edge times its curvature, and what is smaller than an
+ * edge may be missed or joined. The mesh is watertight wherever the level set stays within the box: marching simplices (Allgower and
+ * Gnutzmann 1987) on the cells cut into `subdivisions`, vertices by Newton's method, then short edges collapsed (Dey et al. 1999).
+ * `*mesh` is the caller's to free. The same field and options give the same bits.
+ * Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
+ * close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a level
+ * that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
+ * KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_CANCELLED.
+ * Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex of
+ * the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
+ */
+int32_t ko_field_level_set(const struct ko_field *field,
+                           double level,
+                           const struct ko_level_set_options *options,
+                           struct ko_mesh **mesh);
 
 #ifdef __cplusplus
 }  // extern "C"

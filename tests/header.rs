@@ -7,7 +7,8 @@ fn the_committed_header_is_up_to_date() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("cbindgen.toml is read");
     // In the order in which a newcomer reads them.
-    let files = ["status", "version", "mesh", "cloud", "fit_options", "field", "report"];
+    let files =
+        ["status", "version", "progress", "mesh", "cloud", "normals", "fit_options", "field", "level_set", "report"];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))
     });
@@ -25,7 +26,7 @@ fn the_committed_header_is_up_to_date() {
     );
 }
 
-/// The number after "Default" in the comment on a field of ko_fit_options.
+/// The number after "Default" in the comment on a field of a struct of options.
 fn documented_default(header: &str, field: &str) -> f64 {
     let (before, _) = header.split_once(&format!(" {field};")).expect("the field is in the header");
     let (_, comment) = before.rsplit_once("/**").expect("the field has a comment");
@@ -39,6 +40,8 @@ fn the_header_tells_the_defaults_of_the_code() {
     let header = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("include/keepout.h"));
     let header = header.expect("include/keepout.h is there");
     let d = keepout::field::FitOptions::default();
+    let l = keepout::field::LevelSetOptions::default();
+    let n = keepout::geometry::orient::NormalOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
         ("margin", d.margin),
@@ -47,6 +50,10 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("distance_weight", d.distance_weight),
         ("tolerance", d.tolerance),
         ("max_iterations", f64::from(d.max_iterations)),
+        ("subdivisions", f64::from(l.subdivisions)),
+        ("shortest_edge", l.shortest_edge),
+        ("relaxations", f64::from(l.relaxations)),
+        ("outlier_factor", n.outlier_factor),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");

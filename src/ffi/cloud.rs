@@ -5,6 +5,8 @@ use super::mesh::{check_count, copied};
 use super::pointer::{array, create, free, object, place, wanted};
 use crate::dimension::{OfDimension, in_its_dimension};
 use crate::geometry::Cloud;
+use crate::geometry::orient::NormalOptions;
+use crate::progress::Progress;
 use crate::{Error, Result};
 
 /// Points of a surface in space (dim 3) or of a curve in the plane (dim 2) with unit normals. Freed by `ko_cloud_free`.
@@ -13,8 +15,10 @@ pub struct ko_cloud(pub(super) OfDimension<Cloud<2>, Cloud<3>>);
 
 /// Makes a cloud from `points` [dim * n_points] with `normals` [dim * n_points] out of the solid, of any length but 0.
 ///
-/// `dim` is 2 or 3. This version needs normals: KO_ERR_UNSUPPORTED answers NULL normals (to be estimated). The arrays are copied. `*cloud` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for no points, for a point or normal that is not finite and for
-/// a normal of length 0, naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
+/// `dim` is 2 or 3. NULL normals are estimated, on all cores, by `ko_cloud_estimate_normals` with its default options, where the errors and
+/// the cost of that are told. The arrays are copied. `*cloud` is the caller's to free.
+/// Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30, for a point or normal that is not finite and for a normal of length 0,
+/// naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_cloud_from_points(
     dim: u32,
@@ -43,13 +47,14 @@ pub unsafe extern "C" fn ko_cloud_from_points(
 unsafe fn from_points<const D: usize>(points: *const f64, normals: *const f64, n: usize) -> Result<Cloud<D>> {
     // SAFETY: the caller's promise.
     let points = unsafe { array(points.cast::<[f64; D]>(), n, "points") }?;
-    if n > 0 && normals.is_null() {
-        let text = "normals is NULL; this version does not estimate normals: give one a point";
-        return Err(Error::Unsupported(text.into()));
+    let points = copied(points, "the points")?;
+    if normals.is_null() {
+        let (cloud, _) = Cloud::with_estimated_normals(points, &NormalOptions::default(), &mut Progress::silent())?;
+        return Ok(cloud);
     }
     // SAFETY: as above.
     let normals = unsafe { array(normals.cast::<[f64; D]>(), n, "normals") }?;
-    Cloud::new(copied(points, "the points")?, copied(normals, "the normals")?)
+    Cloud::new(points, copied(normals, "the normals")?)
 }
 
 /// Frees a cloud. NULL is taken. No other thread may be using it.

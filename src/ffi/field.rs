@@ -1,17 +1,18 @@
 //! `ko_field`.
 
 use super::cloud::ko_cloud;
-use super::fit_options::ko_fit_options;
+use super::fit_options::{feasible as side, ko_fit_options};
 use super::guard::{guard, guard_free};
+use super::mesh::{check_count, copied};
 use super::pointer::{array, array_mut, create, free, object, path, wanted};
+use super::progress::listener;
 use super::report::ko_fit_report;
-use crate::Result;
 use crate::dimension::{OfDimension, in_its_dimension};
 use crate::field::eval::packed;
-use crate::field::{self, Field, Outputs};
+use crate::field::{self, Feasible, Field, Lattice, Outputs, domain};
 use crate::progress::Progress;
-use std::ffi::{CString, c_char};
-use std::ops::ControlFlow;
+use crate::{Error, Result};
+use std::ffi::c_char;
 
 /// A level-set function phi, close to the signed distance to a shape. Freed by `ko_field_free`.
 #[allow(non_camel_case_types)]
@@ -39,17 +40,8 @@ pub unsafe extern "C" fn ko_field_fit(
             let ko_cloud(cloud) = unsafe { object(cloud, "cloud") }?;
             // SAFETY: the header asks for NULL or initialised options.
             let options = unsafe { ko_fit_options::read(options) }?;
-            let mut tell = |fraction: f64, stage: &str| match options.progress {
-                None => ControlFlow::Continue(()),
-                Some(progress) => {
-                    let stage = CString::new(stage).unwrap_or_default();
-                    // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
-                    match unsafe { progress(fraction, stage.as_ptr(), options.progress_data) } {
-                        0 => ControlFlow::Continue(()),
-                        _ => ControlFlow::Break(()),
-                    }
-                }
-            };
+            // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
+            let mut tell = unsafe { listener(options.progress, options.progress_data) };
             let (options, mut progress) = (options.to_fit_options()?, Progress::new(&mut tell));
             Ok(ko_field(match cloud {
                 OfDimension::Plane(cloud) => OfDimension::Plane(Field::fit(cloud, &options, &mut progress)?),
@@ -58,6 +50,131 @@ pub unsafe extern "C" fn ko_field_fit(
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(field, "field", make) }
+    })
+}
+
+/// Fits a field to `cloud` on the box of `start`, from its control points on: for a shape that moves a little from fit to fit, which then
+/// takes few iterations.
+///
+/// As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
+/// `start` nor the cloud, and `start` stays as it is.
+/// Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension and for a point outside the box, naming the
+/// first. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_field_refit(
+    start: *const ko_field,
+    cloud: *const ko_cloud,
+    options: *const ko_fit_options,
+    field: *mut *mut ko_field,
+) -> i32 {
+    guard(|| {
+        let make = || {
+            // SAFETY: the header asks for a field and a cloud.
+            let (ko_field(start), ko_cloud(cloud)) = unsafe { (object(start, "start")?, object(cloud, "cloud")?) };
+            // SAFETY: the header asks for NULL or initialised options.
+            let options = unsafe { ko_fit_options::read(options) }?;
+            // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
+            let mut tell = unsafe { listener(options.progress, options.progress_data) };
+            let (options, mut progress) = (options.to_fit_options()?, Progress::new(&mut tell));
+            Ok(ko_field(match (start, cloud) {
+                (OfDimension::Plane(start), OfDimension::Plane(cloud)) => {
+                    OfDimension::Plane(start.refit(cloud, &options, &mut progress)?)
+                }
+                (OfDimension::Space(start), OfDimension::Space(cloud)) => {
+                    OfDimension::Space(start.refit(cloud, &options, &mut progress)?)
+                }
+                _ => {
+                    let (start, cloud) = (start.dim(), cloud.dim());
+                    let text = format!("start has dim {start}, the cloud dim {cloud}; they must be the same");
+                    return Err(Error::InvalidArgument(text));
+                }
+            }))
+        };
+        // SAFETY: the header asks for a handle to write.
+        unsafe { create(field, "field", make) }
+    })
+}
+
+/// Makes a field (5) of given control points: one that another library fitted, say, or an optimiser moved.
+///
+/// `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max` [dim],
+/// an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last axis
+/// contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible` is
+/// KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is 0.
+/// Errors: KO_ERR_INVALID_ARGUMENT for fewer control points along an axis, for another number of them in all, for one that is not finite,
+/// naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a
+/// copy.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_field_from_control_points(
+    dim: u32,
+    counts: *const u32,
+    box_min: *const f64,
+    box_max: *const f64,
+    feasible: i32,
+    diagonal: f64,
+    control_points: *const f64,
+    n_control_points: usize,
+    field: *mut *mut ko_field,
+) -> i32 {
+    guard(|| {
+        let make = || {
+            // SAFETY: the header asks for an array of this length.
+            let numbers = unsafe { array(control_points, n_control_points, "control_points") }?;
+            let given = Given { numbers, feasible: side(feasible)?, diagonal };
+            Ok(ko_field(match dim {
+                // SAFETY: the header asks for arrays of `dim` entries.
+                2 => OfDimension::Plane(unsafe { from_control_points(counts, [box_min, box_max], given) }?),
+                // SAFETY: as above.
+                3 => OfDimension::Space(unsafe { from_control_points(counts, [box_min, box_max], given) }?),
+                _ => return Err(Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))),
+            }))
+        };
+        // SAFETY: the header asks for a handle to write.
+        unsafe { create(field, "field", make) }
+    })
+}
+
+/// What a field of control points has beside its grid.
+struct Given<'a> {
+    numbers: &'a [f64],
+    feasible: Feasible,
+    diagonal: f64,
+}
+
+/// # Safety
+/// `counts` and the corners of the box are NULL or arrays of D.
+unsafe fn from_control_points<const D: usize>(
+    counts: *const u32,
+    [box_min, box_max]: [*const f64; 2],
+    given: Given,
+) -> Result<Field<D>> {
+    // SAFETY: the caller's promise, for each of these.
+    let (counts, lower, upper) = unsafe {
+        let counts = object(counts.cast::<[u32; D]>(), "counts")?;
+        (counts, object(box_min.cast(), "box_min")?, object(box_max.cast(), "box_max")?)
+    };
+    let grid = domain::grid_of_box(lower, upper, counts)?;
+    Field::from_control_points(grid, copied(given.numbers, "the control points")?, given.feasible, given.diagonal)
+}
+
+/// Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of length.
+///
+/// `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
+/// KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_field_get_control_points(
+    field: *const ko_field,
+    n_control_points: usize,
+    control_points: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a field.
+        let ko_field(field) = unsafe { object(field, "field") }?;
+        let from = in_its_dimension!(field, field => field.coefficients());
+        check_count("n_control_points", n_control_points, from.len())?;
+        // SAFETY: the header asks for an array of this length.
+        unsafe { array_mut(control_points, n_control_points, "control_points") }?.copy_from_slice(from);
+        Ok(())
     })
 }
 
@@ -119,6 +236,63 @@ pub unsafe extern "C" fn ko_field_eval_parallel(
             field.eval_parallel(points, outputs, n_threads)
         })
     })
+}
+
+/// Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim] plus
+/// i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
+///
+/// `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last index
+/// fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads` threads
+/// (0: all cores, 1: none but the caller's), with the same bits on any number.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a number of steps out of range, a count of 0, more points than memory can count, an origin or step
+/// that is not finite, a corner of the lattice beyond 1e150, more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads that do not start.
+/// Nothing is written then.
+/// Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096 points.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_field_eval_lattice(
+    field: *const ko_field,
+    origin: *const f64,
+    steps: *const f64,
+    counts: *const usize,
+    n_steps: u32,
+    values: *mut f64,
+    gradients: *mut f64,
+    n_threads: u32,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a field.
+        let ko_field(field) = unsafe { object(field, "field") }?;
+        in_its_dimension!(field, field => {
+            // SAFETY: the header asks for arrays of these lengths.
+            let lattice = unsafe { lattice(origin, steps, counts, n_steps) }?;
+            // SAFETY: the header asks for NULL or arrays of these lengths.
+            let (values, gradients) = unsafe {
+                let values = wanted(values, lattice.len(), "values")?;
+                (values, wanted(gradients.cast(), lattice.len(), "gradients")?)
+            };
+            field.eval_lattice(&lattice, values, gradients, n_threads, &mut Progress::silent())
+        })
+    })
+}
+
+/// # Safety
+/// Each pointer is NULL or points to an array of the length that `ko_field_eval_lattice` documents.
+unsafe fn lattice<const D: usize>(
+    origin: *const f64,
+    steps: *const f64,
+    counts: *const usize,
+    n_steps: u32,
+) -> Result<Lattice<D>> {
+    let k = n_steps as usize;
+    if !(1..=D).contains(&k) {
+        return Err(Error::InvalidArgument(format!("n_steps is {k}; it must lie in [1, {D}] for a field of dim {D}")));
+    }
+    // SAFETY: the caller's promise, for each of these.
+    let (origin, steps, counts) = unsafe {
+        let origin = object(origin.cast::<[f64; D]>(), "origin")?;
+        (origin, array(steps.cast::<[f64; D]>(), k, "steps")?, array(counts, k, "counts")?)
+    };
+    Lattice::new(*origin, steps, counts)
 }
 
 /// Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.

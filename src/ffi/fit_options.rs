@@ -2,9 +2,10 @@
 
 use super::guard::guard;
 use super::pointer::{Sized_, read_sized, write_sized};
+use super::progress::ko_progress;
 use crate::field::{Feasible, FitOptions, Reweighting};
 use crate::{Error, Result};
-use std::ffi::{c_char, c_void};
+use std::ffi::c_void;
 
 /// phi > 0 on the side that the normals point to: outside a solid. grad phi = +n on the surface.
 pub const KO_FEASIBLE_OUTSIDE: i32 = 0;
@@ -17,13 +18,8 @@ pub const KO_REWEIGHT_LARGEST: i32 = 0;
 /// first of them much smoother.
 pub const KO_REWEIGHT_ROBUST: i32 = 1;
 
-/// Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0 cancels.
-/// It must not unwind, throw or jump out.
-#[allow(non_camel_case_types)]
-pub type ko_progress = Option<unsafe extern "C" fn(fraction: f64, stage: *const c_char, data: *mut c_void) -> i32>;
-
-/// Options of `ko_field_fit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit: lengths are taken in
-/// units of D, the diagonal of the cloud's bounding box.
+/// Options of `ko_field_fit` and `ko_field_refit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit:
+/// lengths are taken in units of D, the diagonal of the cloud's bounding box.
 #[allow(non_camel_case_types)]
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -124,15 +120,6 @@ impl ko_fit_options {
 
     /// The same for the fit.
     pub(super) fn to_fit_options(self) -> Result<FitOptions> {
-        let feasible = match self.feasible {
-            KO_FEASIBLE_OUTSIDE => Feasible::Outside,
-            KO_FEASIBLE_INSIDE => Feasible::Inside,
-            other => {
-                return Err(Error::InvalidArgument(format!(
-                    "feasible is {other}; it must be KO_FEASIBLE_OUTSIDE (0) or KO_FEASIBLE_INSIDE (1)"
-                )));
-            }
-        };
         let reweighting = match self.reweighting {
             KO_REWEIGHT_LARGEST => Reweighting::Largest,
             KO_REWEIGHT_ROBUST => Reweighting::Robust,
@@ -153,11 +140,22 @@ impl ko_fit_options {
             distance_weight: self.distance_weight,
             reweighting,
             reweightings: self.reweightings,
-            feasible,
+            feasible: feasible(self.feasible)?,
             tolerance: self.tolerance,
             max_iterations: self.max_iterations,
             n_threads: self.n_threads,
             memory_limit: self.memory_limit,
         })
+    }
+}
+
+/// The side of a `KO_FEASIBLE_` constant.
+pub(super) fn feasible(side: i32) -> Result<Feasible> {
+    match side {
+        KO_FEASIBLE_OUTSIDE => Ok(Feasible::Outside),
+        KO_FEASIBLE_INSIDE => Ok(Feasible::Inside),
+        other => Err(Error::InvalidArgument(format!(
+            "feasible is {other}; it must be KO_FEASIBLE_OUTSIDE (0) or KO_FEASIBLE_INSIDE (1)"
+        ))),
     }
 }

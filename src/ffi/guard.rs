@@ -13,13 +13,21 @@ thread_local! {
 
 /// Runs an entry's body and turns its end into a status.
 pub(super) fn guard(body: impl FnOnce() -> Result<()>) -> i32 {
+    guard_with_remark(|| body().map(|()| KO_OK))
+}
+
+/// [`guard`] for a body that may succeed with a remark: it gives the status itself, `KO_OK` or a positive one.
+pub(super) fn guard_with_remark(body: impl FnOnce() -> Result<i32>) -> i32 {
     quiet_caught_panics();
     let outer = IN_CALL.replace(true);
     // Unwind safety: bodies build aside and swap, so a panic leaves every handle as it was.
     let end = panic::catch_unwind(AssertUnwindSafe(body));
     IN_CALL.set(outer);
     match end {
-        Ok(Ok(())) => KO_OK,
+        Ok(Ok(status)) => {
+            debug_assert!(status >= KO_OK);
+            status
+        }
         Ok(Err(error)) => {
             remember(&error.to_string());
             code(&error)
@@ -65,7 +73,7 @@ fn quiet_caught_panics() {
 
 #[cfg(test)]
 mod tests {
-    use super::super::status::{KO_ERR_CANCELLED, ko_last_error};
+    use super::super::status::{KO_ERR_CANCELLED, KO_OPEN_AT_BOX, ko_last_error};
     use super::*;
     use crate::Error;
     use std::ffi::CStr;
@@ -81,6 +89,7 @@ mod tests {
         let message = last_error();
         assert!(message.contains("cancelled"));
         assert_eq!(guard(|| Ok(())), KO_OK);
+        assert_eq!(guard_with_remark(|| Ok(KO_OPEN_AT_BOX)), KO_OPEN_AT_BOX);
         assert_eq!(last_error(), message);
     }
 

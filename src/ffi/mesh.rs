@@ -6,7 +6,7 @@ use super::pointer::{array, array_mut, create, free, object, path, place, wanted
 use super::report::ko_mesh_report;
 use crate::dimension::{OfDimension, in_its_dimension};
 use crate::error::try_with_capacity;
-use crate::geometry::{Ends, Mesh};
+use crate::geometry::{Ends, Mesh, Polylines};
 use crate::{Error, Result};
 use std::ffi::c_char;
 
@@ -25,6 +25,22 @@ pub unsafe extern "C" fn ko_mesh_read(path: *const c_char, mesh: *mut *mut ko_me
     guard(|| {
         // SAFETY: the header asks for a NUL-terminated path and a handle to write.
         unsafe { create(mesh, "mesh", || Ok(ko_mesh(OfDimension::Space(Mesh::read(self::path(path, "path")?)?)))) }
+    })
+}
+
+/// Writes the mesh to the file `path`, in the format that its ending names: .obj, .off, .ply or .stl, in small letters or capitals.
+///
+/// OBJ, OFF and PLY (binary) hold every bit of the coordinates; STL (binary) rounds them to `float`, and vertices that become one are one
+/// when it is read. A mesh of the plane is written as OBJ: lines, z = 0. A file that stood there is replaced whole or, after an error, left
+/// as it was. `path` is UTF-8 on Windows, bytes elsewhere.
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL, an empty path, or a coordinate that an STL cannot hold; KO_ERR_UNSUPPORTED for other endings;
+/// KO_ERR_IO. Threads: any. Cost: one pass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_write(mesh: *const ko_mesh, path: *const c_char) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh and a NUL-terminated path.
+        let (ko_mesh(mesh), path) = unsafe { (object(mesh, "mesh")?, self::path(path, "path")?) };
+        in_its_dimension!(mesh, mesh => mesh.write(path))
     })
 }
 
@@ -176,6 +192,79 @@ unsafe fn copy<const D: usize>(
     Ok(())
 }
 
+/// Tells how many points and polylines `ko_mesh_copy_polylines` gives of a mesh of the plane. Either output may be NULL.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for no mesh and for one of space; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_vertices), with some 30
+/// bytes a vertex taken meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_get_polylines_size(
+    mesh: *const ko_mesh,
+    n_points: *mut usize,
+    n_loops: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let lines = polylines(unsafe { object(mesh, "mesh") }?)?;
+        // SAFETY: the header asks for NULL or a place to write.
+        if let Some(n) = unsafe { wanted(n_points, 1, "n_points") }? {
+            n[0] = lines.points.len();
+        }
+        // SAFETY: as above.
+        if let Some(n) = unsafe { wanted(n_loops, 1, "n_loops") }? {
+            n[0] = lines.starts.len();
+        }
+        Ok(())
+    })
+}
+
+/// Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of which
+/// polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
+///
+/// Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A solid
+/// lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
+/// Errors: KO_ERR_INVALID_ARGUMENT, also for a mesh of space and for other counts; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: that of
+/// `ko_mesh_get_polylines_size`, and a copy.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_copy_polylines(
+    mesh: *const ko_mesh,
+    n_points: usize,
+    n_loops: usize,
+    points: *mut f64,
+    loop_starts: *mut usize,
+    closed: *mut u8,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let lines = polylines(unsafe { object(mesh, "mesh") }?)?;
+        check_count("n_points", n_points, lines.points.len())?;
+        check_count("n_loops", n_loops, lines.starts.len())?;
+        // SAFETY: the header asks for NULL or arrays of these lengths.
+        let (points, starts, closed) = unsafe {
+            let points = wanted(points.cast::<[f64; 2]>(), n_points, "points")?;
+            (points, wanted(loop_starts, n_loops, "loop_starts")?, wanted(closed, n_loops, "closed")?)
+        };
+        if let Some(to) = points {
+            to.copy_from_slice(&lines.points);
+        }
+        if let Some(to) = starts {
+            to.copy_from_slice(&lines.starts);
+        }
+        if let Some(to) = closed {
+            to.iter_mut().zip(&lines.closed).for_each(|(to, closed)| *to = u8::from(*closed));
+        }
+        Ok(())
+    })
+}
+
+fn polylines(ko_mesh(mesh): &ko_mesh) -> Result<Polylines> {
+    match mesh {
+        OfDimension::Plane(mesh) => mesh.polylines(),
+        OfDimension::Space(_) => Err(Error::InvalidArgument(
+            "the mesh is of space, dim 3; only one of the plane is made of polylines".into(),
+        )),
+    }
+}
+
 /// Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
 ///
 /// `struct_size` is sizeof *report. Errors: KO_ERR_INVALID_ARGUMENT, KO_ERR_OUT_OF_MEMORY. Threads: any.
@@ -210,8 +299,9 @@ pub unsafe extern "C" fn ko_mesh_flip(mesh: *mut ko_mesh) -> i32 {
 /// Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud; of curves in the
 /// plane evenly by length.
 ///
-/// Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and barycentric
-/// coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's to free.
+/// Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and
+/// barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's
+/// to free.
 /// Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
 /// Threads: any. Cost: O(n_points log n_points + n_triangles).
 #[unsafe(no_mangle)]

@@ -183,6 +183,15 @@ pub(super) unsafe fn write_sized<T: Sized_>(to: *mut T, size: usize, value: T, n
     Ok(())
 }
 
+/// What [`write_sized`] will refuse of a struct that is NULL where it is not wanted: asked before work whose result goes there.
+pub(super) fn check_wanted_sized<T: Sized_>(to: *const T, size: usize, name: &str) -> Result<()> {
+    if to.is_null() {
+        return Ok(());
+    }
+    check(to, name)?;
+    check_size::<T>(size, name)
+}
+
 /// No version of a struct is smaller than the first, and none will ever have a page.
 fn check_size<T: Sized_>(size: usize, name: &str) -> Result<()> {
     const LARGEST: usize = 4096;

@@ -11,6 +11,9 @@ pub const KO_CAPABILITY_3D: u64 = 1;
 /// Bit of `ko_capabilities`: files compressed by gzip are read.
 pub const KO_CAPABILITY_GZIP: u64 = 2;
 
+/// Bit of `ko_capabilities`: curves and fields in the plane.
+pub const KO_CAPABILITY_2D: u64 = 4;
+
 /// Version of the library as "major.minor.patch". Never NULL; static. Any thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn ko_version() -> *const c_char {
@@ -26,5 +29,5 @@ pub extern "C" fn ko_abi_version() -> u32 {
 /// What this build can do, as an or of `KO_CAPABILITY_` bits. Any thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn ko_capabilities() -> u64 {
-    KO_CAPABILITY_3D | KO_CAPABILITY_GZIP
+    KO_CAPABILITY_3D | KO_CAPABILITY_GZIP | KO_CAPABILITY_2D
 }

@@ -50,6 +50,25 @@ pub fn check<const D: usize>(grid: &Grid<D>, diagonal: f64) -> Result<()> {
     Ok(())
 }
 
+/// The grid of `n_control` control points along each axis of the box from `lower` to `upper`, in the caller's units.
+pub fn grid_of_box<const D: usize>(lower: &[f64; D], upper: &[f64; D], n_control: &[u32; D]) -> Result<Grid<D>> {
+    for a in 0..D {
+        let (low, high, n) = (lower[a], upper[a], n_control[a]);
+        if n < 4 {
+            return Err(Error::InvalidArgument(format!("axis {a} has {n} control points; a cubic needs at least 4")));
+        }
+        // A NaN compares as false.
+        if !(low < high && (high - low).is_finite()) {
+            return Err(Error::InvalidArgument(format!(
+                "the box runs from {low:e} to {high:e} along axis {a}; finite bounds are needed, the lower one first"
+            )));
+        }
+    }
+    let n_cells = |a: usize| n_control[a] as usize - 3;
+    let axis = |a| Axis { lower: lower[a], cell: (upper[a] - lower[a]) / n_cells(a) as f64, n_cells: n_cells(a) };
+    Ok(Grid { axes: std::array::from_fn(axis) })
+}
+
 /// The grid for points within `bounds`, in the caller's units. Counts of 0 in `control_points` are chosen so that cells are close to
 /// cubes and at most `target` control points are used, unless the counts asked for leave no room for that.
 pub fn grid<const D: usize>(
@@ -129,6 +148,22 @@ mod tests {
             assert!((grid.axes[a].upper() - grid.axes[a].lower - extent).abs() < 1e-14);
             assert!((0.5 * (grid.axes[a].upper() + grid.axes[a].lower) - b.center()[a]).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn a_box_and_its_counts_make_the_grid_again() {
+        let grid = grid(&bounds([1.0, 2.0, 3.0]), 0.15, [7, 4, 33], 1000).unwrap();
+        let (lower, upper) = (grid.axes.map(|a| a.lower), grid.axes.map(|a| a.upper()));
+        let again = grid_of_box(&lower, &upper, &[7, 4, 33]).unwrap();
+        for (a, b) in grid.axes.iter().zip(&again.axes) {
+            assert!(
+                a.lower == b.lower && a.n_cells == b.n_cells && (a.cell - b.cell).abs() <= 4.0 * f64::EPSILON * a.cell
+            );
+        }
+        assert!(grid_of_box(&lower, &upper, &[7, 3, 33]).is_err());
+        assert!(grid_of_box(&upper, &lower, &[7, 4, 33]).is_err());
+        assert!(grid_of_box(&lower, &[1.0, f64::NAN, 9.0], &[7, 4, 33]).is_err());
+        assert!(grid_of_box(&[-1e308; 3], &[1e308; 3], &[7, 4, 33]).is_err());
     }
 
     #[test]

@@ -205,7 +205,7 @@ fn pack<const D: usize>(hessian: &Hessian<D>, packed: &mut [f64]) {
 const LARGEST: f64 = 1e150;
 
 /// Refuses points that are not finite, or too far, naming the first by its index in the batch.
-fn check_points<const D: usize>(first: usize, points: &[[f64; D]]) -> Result<()> {
+pub(super) fn check_points<const D: usize>(first: usize, points: &[[f64; D]]) -> Result<()> {
     // A NaN compares as false.
     let served = |p: &[f64; D]| p.iter().all(|x| x.abs() <= LARGEST);
     match points.iter().position(|p| !served(p)) {

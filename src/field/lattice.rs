@@ -1,9 +1,11 @@
 //! Values on an affine lattice: a line (one step), a slice (two) or, in space, a box (three), in any directions.
 
+use super::eval::check_points;
 use super::{Field, Function};
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::{Error, Result};
+use std::ops::Range;
 
 /// Points placed and evaluated at a time.
 const BLOCK: usize = 256;
@@ -67,75 +69,99 @@ impl<const D: usize> Lattice<D> {
         p
     }
 
-    /// Values `[len]` of `phi` and, where wanted, gradients [len x D], in row-major order; `tell` hears the fraction done. The same bits
+    /// Values `[len]` of `phi` and gradients [len x D], each where wanted, in row-major order; `tell` hears the fraction done. The same bits
     /// on any number of threads. After an error the outputs are unspecified.
     pub(crate) fn eval(
         &self,
         phi: &impl Function<D>,
-        values: &mut [f64],
+        mut values: Option<&mut [f64]>,
         mut gradients: Option<&mut [[f64; D]]>,
         workers: &Workers,
         mut tell: impl FnMut(f64) -> Result<()>,
     ) -> Result<()> {
-        let rooms = [("values", values.len()), ("gradients", gradients.as_ref().map_or(self.len, |g| g.len()))];
+        let rooms = [
+            ("values", values.as_ref().map_or(self.len, |v| v.len())),
+            ("gradients", gradients.as_ref().map_or(self.len, |g| g.len())),
+        ];
         if let Some((name, room)) = rooms.iter().find(|(_, room)| *room != self.len) {
             let n = self.len;
             return Err(Error::InvalidArgument(format!("{name} has room for {room} points; the lattice has {n}")));
         }
-        for (stage, values) in values.chunks_mut(STAGE).enumerate() {
-            let first = stage * STAGE;
-            let end = first + values.len();
-            let value_items = values.chunks_mut(ITEM).enumerate().map(|(i, v)| (first + i * ITEM, v));
-            match &mut gradients {
-                None => {
-                    workers.try_for_each(value_items, |(first, values)| self.eval_item(phi, first, values, None))?
-                }
-                Some(gradients) => {
-                    let items = value_items.zip(gradients[first..end].chunks_mut(ITEM));
-                    workers.try_for_each(items, |((first, v), g)| self.eval_item(phi, first, v, Some(g)))?;
-                }
-            }
-            tell(end as f64 / self.len as f64)?;
+        for first in (0..self.len).step_by(STAGE) {
+            let stage = first..(first + STAGE).min(self.len);
+            let value_items = pieces(values.as_deref_mut().map(|v| &mut v[stage.clone()]));
+            let gradient_items = pieces(gradients.as_deref_mut().map(|g| &mut g[stage.clone()]));
+            let items = stage.clone().step_by(ITEM).zip(value_items.zip(gradient_items));
+            workers.try_for_each(items, |(first, (values, gradients))| {
+                let item = first..(first + ITEM).min(stage.end);
+                self.eval_item(phi, item, values, gradients)
+            })?;
+            tell(stage.end as f64 / self.len as f64)?;
         }
         Ok(())
     }
 
-    /// Evaluates at the points from `first` on.
+    /// Evaluates at the points of `item`.
     fn eval_item(
         &self,
         phi: &impl Function<D>,
-        first: usize,
-        values: &mut [f64],
+        item: Range<usize>,
+        mut values: Option<&mut [f64]>,
         mut gradients: Option<&mut [[f64; D]]>,
     ) -> Result<()> {
-        let mut points = [[0.0; D]; BLOCK];
-        for (b, values) in values.chunks_mut(BLOCK).enumerate() {
-            let n = values.len();
+        let (mut points, mut unwanted) = ([[0.0; D]; BLOCK], [0.0; BLOCK]);
+        for first in item.clone().step_by(BLOCK) {
+            let n = BLOCK.min(item.end - first);
             for (i, p) in points[..n].iter_mut().enumerate() {
-                *p = self.point(first + b * BLOCK + i);
+                *p = self.point(first + i);
             }
+            let block = first - item.start..first - item.start + n;
+            let values = match &mut values {
+                Some(values) => &mut values[block.clone()],
+                None => &mut unwanted[..n],
+            };
             match &mut gradients {
                 None => phi.values(&points[..n], values)?,
-                Some(gradients) => phi.gradients(&points[..n], values, &mut gradients[b * BLOCK..][..n])?,
+                Some(gradients) => phi.gradients(&points[..n], values, &mut gradients[block])?,
             }
         }
         Ok(())
     }
+
+    /// Indices of the lattice's corners, ascending: what is linear has its extremes there.
+    fn corners(&self) -> impl Iterator<Item = usize> {
+        let k = self.counts.len();
+        (0..1_usize << k).map(move |corner| {
+            let at = |j: usize| if corner >> (k - 1 - j) & 1 == 1 { self.counts[j] - 1 } else { 0 };
+            (0..k).fold(0, |i, j| i * self.counts[j] + at(j))
+        })
+    }
+}
+
+/// An output in pieces of [`ITEM`], or nothing, as often as asked, where it is not wanted.
+fn pieces<T>(output: Option<&mut [T]>) -> impl Iterator<Item = Option<&mut [T]>> {
+    let mut pieces = output.map(|output| output.chunks_mut(ITEM));
+    std::iter::from_fn(move || match &mut pieces {
+        Some(pieces) => pieces.next().map(Some),
+        None => Some(None),
+    })
 }
 
 impl<const D: usize> Field<D> {
-    /// phi `[n]`, in the caller's unit of length, and where wanted grad phi [n x D] at the n points of `lattice`, in row-major order, on
-    /// `n_threads` threads as [`Workers::new`] takes them; the same bits on any number. Points outside the box are served as
-    /// [`Field::eval`] serves them. After an error the outputs are unspecified. Allocates a few kilobytes.
+    /// phi `[n]`, in the caller's unit of length, and grad phi [n x D], each where wanted, at the n points of `lattice`, in row-major order,
+    /// on `n_threads` threads as [`Workers::new`] takes them; the same bits on any number. Points outside the box are served as
+    /// [`Field::eval`] serves them. After a cancellation the outputs are unspecified. Allocates a few kilobytes.
     pub fn eval_lattice(
         &self,
         lattice: &Lattice<D>,
-        values: &mut [f64],
+        values: Option<&mut [f64]>,
         gradients: Option<&mut [[f64; D]]>,
         n_threads: u32,
         progress: &mut Progress,
     ) -> Result<()> {
         Workers::check(n_threads)?;
+        // Where the corners can be served all points can, and here their indices are known.
+        lattice.corners().try_for_each(|i| check_points(i, &[lattice.point(i)]))?;
         let workers = if lattice.len() <= ITEM { Workers::caller_only() } else { Workers::new(n_threads)? };
         lattice.eval(self, values, gradients, &workers, |fraction| progress.tell(fraction, "lattice"))
     }
@@ -163,11 +189,15 @@ mod tests {
     fn values(lattice: &Lattice<3>, n_threads: u32) -> Vec<f64> {
         let (mut values, mut gradients) = (vec![0.0; lattice.len()], vec![[0.0; 3]; lattice.len()]);
         let workers = Workers::new(n_threads).unwrap();
-        lattice.eval(&Linear, &mut values, Some(&mut gradients), &workers, |_| Ok(())).unwrap();
+        lattice.eval(&Linear, Some(&mut values), Some(&mut gradients), &workers, |_| Ok(())).unwrap();
         assert!(gradients.iter().all(|g| *g == [1.0, 10.0, 100.0]));
         let mut alone = vec![0.0; lattice.len()];
-        lattice.eval(&Linear, &mut alone, None, &workers, |_| Ok(())).unwrap();
+        lattice.eval(&Linear, Some(&mut alone), None, &workers, |_| Ok(())).unwrap();
         assert_eq!(alone, values);
+        gradients.fill([0.0; 3]);
+        lattice.eval(&Linear, None, Some(&mut gradients), &workers, |_| Ok(())).unwrap();
+        assert!(gradients.iter().all(|g| *g == [1.0, 10.0, 100.0]));
+        lattice.eval(&Linear, None, None, &workers, |_| Ok(())).unwrap();
         values
     }
 
@@ -195,6 +225,16 @@ mod tests {
     }
 
     #[test]
+    fn corners_are_where_indices_are_first_or_last() {
+        let steps = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let corners =
+            |k: usize| Lattice::new([0.0; 3], &steps[..k], &[4, 3, 2][..k]).unwrap().corners().collect::<Vec<_>>();
+        assert_eq!(corners(1), [0, 3]);
+        assert_eq!(corners(2), [0, 2, 9, 11]);
+        assert_eq!(corners(3), [0, 1, 4, 5, 18, 19, 22, 23]);
+    }
+
+    #[test]
     fn refuses_lattices_that_are_none() {
         let x = [1.0, 0.0, 0.0];
         assert!(Lattice::<3>::new([0.0; 3], &[], &[]).is_err());
@@ -204,6 +244,6 @@ mod tests {
         assert!(Lattice::new([f64::NAN; 3], &[x], &[1]).is_err());
         assert!(Lattice::new([0.0; 3], &[x; 3], &[usize::MAX; 3]).is_err());
         let two = Lattice::new([0.0; 3], &[x], &[2]).unwrap();
-        assert!(two.eval(&Linear, &mut [0.0], None, &Workers::caller_only(), |_| Ok(())).is_err());
+        assert!(two.eval(&Linear, Some(&mut [0.0]), None, &Workers::caller_only(), |_| Ok(())).is_err());
     }
 }

@@ -94,8 +94,9 @@ impl<const D: usize> Field<D> {
         diagonal: f64,
     ) -> Result<Self> {
         domain::check(&grid, diagonal)?;
-        let (n, given) = (grid.n_control(), control_points.len());
-        if n != given {
+        // The product may be larger than a usize.
+        let (n, given) = (grid.shape().iter().map(|&n| n as u128).product::<u128>(), control_points.len());
+        if n != given as u128 {
             let text = format!("the grid has {n} control points, but {given} are given; as many are needed");
             return Err(Error::InvalidArgument(text));
         }
@@ -105,7 +106,7 @@ impl<const D: usize> Field<D> {
         }
         let report = FitReport {
             control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
-            n_unknowns: n as u64,
+            n_unknowns: given as u64,
             ..FitReport::default()
         };
         Ok(Field::new(grid, control_points, feasible, diagonal, report))

@@ -142,7 +142,7 @@ pub fn extract<F: Function<D>, const D: usize>(
     let workers = Workers::new(options.n_threads)?;
 
     let mut f = try_vec(cubes.len(), 0.0, "the values on the lattice")?;
-    cubes.lattice()?.eval(phi, &mut f, None, &workers, |done| progress.tell(0.4 * done, "lattice"))?;
+    cubes.lattice()?.eval(phi, Some(&mut f), None, &workers, |done| progress.tell(0.4 * done, "lattice"))?;
     f.iter_mut().for_each(|f| *f -= level);
     let crossings = Crossings::find(&cubes, &f, &workers)?;
     if crossings.len == 0 {
