@@ -143,6 +143,12 @@ double ClosestPoints::distance(const double *p) const {
     return trees_->triangles ? trees_->triangles->distance(plain(p, 3)) : trees_->segments->distance(plain(p, 2));
 }
 
+std::array<double, 3> ClosestPoints::closest(const double *p) const {
+    const Plain::Point_3 q = trees_->triangles ? trees_->triangles->tree.closest_point(plain(p, 3))
+                                               : trees_->segments->tree.closest_point(plain(p, 2));
+    return {q.x(), q.y(), q.z()};
+}
+
 std::vector<double> exact_distances(const Mesh &mesh, const std::vector<double> &points) {
     const Facets facets = facets_of(mesh);
     const std::size_t dim = facets.dim;

@@ -13,6 +13,8 @@ public:
     explicit ClosestPoints(const Facets &mesh);
     ~ClosestPoints();
     double distance(const double *p) const;
+    // In the plane its z is 0.
+    std::array<double, 3> closest(const double *p) const;
 
 private:
     struct Trees;

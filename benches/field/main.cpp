@@ -14,7 +14,9 @@ struct Subject {
     void (*print)(const Data &data);
 };
 
-const Subject SUBJECTS[] = {{"accuracy", accuracy}, {"tables", tables}, {"plane", plane}, {"several", several}, {"scale", scale}, {"speed", speed}, {"signs", signs}, {"growth", growth}};
+const Subject SUBJECTS[] = {{"accuracy", accuracy},     {"tables", tables},   {"plane", plane}, {"several", several},
+                            {"level_sets", level_sets}, {"normals", normals}, {"guess", guess}, {"scale", scale},
+                            {"speed", speed},           {"signs", signs},     {"growth", growth}};
 
 const Subject FIT_ONLY = {"fit-only", fit_only};
 

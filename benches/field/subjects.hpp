@@ -18,6 +18,15 @@ void plane(const Data &data);
 // Several shapes in one domain (figure 4), and open ones (figure 2).
 void several(const Data &data);
 
+// Level sets as meshes: topology, offsets.
+void level_sets(const Data &data);
+
+// Estimated normals.
+void normals(const Data &data);
+
+// The paper's start of the solve, from (1).
+void guess(const Data &data);
+
 // The same cloud in other units.
 void scale(const Data &data);
 
