@@ -220,8 +220,9 @@ void print_cells(const Cloud &cloud, std::int32_t reweighting, const Truth &trut
         const OnSurface found = on_surface(field, truth.on_surface, truth.frame.D);
         const Signs signs = signs_of(field, truth.in_box, truth.exact);
         std::printf(" %.1e | %.1e | %.3f | %zu |", found.phi.rms(), found.phi.max(), found.mean_gradient, signs.wrong_far);
-        if (reweighting == KO_REWEIGHT_ROBUST)
-            std::printf(" %.1f %% |", 100 * static_cast<double>(report_of(field).n_outliers) / static_cast<double>(report_of(field).n_points));
+        const ko_fit_report report = report_of(field);
+        const double left_out = static_cast<double>(report.n_outliers) / static_cast<double>(report.n_points);
+        if (reweighting == KO_REWEIGHT_ROBUST) std::printf(" %.1f %% |", 100 * left_out);
     } catch (const LibraryError &error) {
         // A cloud that cannot be fitted is a result.
         std::printf(" %s | | | |%s", ko_status_string(error.status), reweighting == KO_REWEIGHT_ROBUST ? " |" : "");
@@ -235,29 +236,28 @@ void print_row(const std::string &name, const Cloud &cloud, const Truth &truth) 
     std::fflush(stdout);
 }
 
-void print_introduction() {
-    std::printf(
-        "# Noise\n\n"
-        "What flaws of a cloud do to its field, made by `benches/run noise` with keepout %s: the bunny (bunny_lsdo_genie.stl), 25,000 samples,\n"
-        "32 x 31 x 25 control points, one flaw worked in at a time. Each row has the default fit, which weights points more that the surface\n"
-        "misses (KO_REWEIGHT_LARGEST), and the robust one, which weights them less (KO_REWEIGHT_ROBUST), otherwise with default options.\n\n"
-        "How to read it: rms and max are of |phi| at 50,000 points of the clean surface, in units of D, the diagonal of the clean cloud's\n"
-        "bounding box; gradient is the mean of |grad phi| there, 1 for a distance, so that a small |phi| beside a gradient far below 1 is no\n"
-        "accuracy; wrong signs are those of 20,000 points in the clean cloud's box that lie farther than one cell (0.026 D) from the clean\n"
-        "surface; left out is the share of its points that the robust fit did without. The first row is the measure for the others: a flaw\n"
-        "whose row looks like it does no harm. Points that are wrong, in place or normal, are those that the default fit believes most: take\n"
-        "the robust one for outliers and normals flipped here and there; under noise it keeps more of the gradient. Where points are right\n"
-        "but missing, or their density is uneven, it is the worse of both: it takes sparse points for outliers. Neither finds a patch of flipped normals, in which each point agrees\n"
-        "with its neighbours; the last rows drop all normals and estimate them by ko_cloud_estimate_normals.\n\n"
-        "Flaws: Gaussian noise moves each point by that deviation along each axis and leaves the normals. Outliers are added, uniform in the\n"
-        "box, with any normals. Holes are the points within balls of radius 0.04 D, removed. Density falls along x. Normals are flipped at\n"
-        "random, or those of the points nearest to one of them. Copies have weight as points have.\n\n",
-        ko_version());
-}
+const char *const INTRODUCTION =
+    "# Noise\n\n"
+    "What flaws of a cloud do to its field, made by `benches/run noise` with keepout %s: the bunny (bunny_lsdo_genie.stl), 25,000\n"
+    "samples, 32 x 31 x 25 control points, one flaw worked in at a time. Each row has the default fit, which weights points more that\n"
+    "the surface misses (KO_REWEIGHT_LARGEST), and the robust one, which weights them less (KO_REWEIGHT_ROBUST), otherwise with default\n"
+    "options.\n\n"
+    "How to read it: rms and max are of |phi| at 50,000 points of the clean surface, in units of D, the diagonal of the clean cloud's\n"
+    "bounding box. Gradient is the mean of |grad phi| there, 1 for a distance: a small |phi| beside a gradient far below 1 is no\n"
+    "accuracy. Wrong signs are those of 20,000 points in the clean cloud's box that lie farther than one cell (0.026 D) from the clean\n"
+    "surface. Left out is the share of its points that the robust fit did without. The first row is the measure for the others: a flaw\n"
+    "whose row looks like it does no harm. Points that are wrong, in place or normal, are those that the default fit believes most: take\n"
+    "the robust one for outliers and normals flipped here and there; under noise it keeps more of the gradient. Where points are right\n"
+    "but missing, or their density is uneven, it is the worse of both: it takes sparse points for outliers. Neither finds a patch of\n"
+    "flipped normals, in which each point agrees with its neighbours; the last rows drop all normals and estimate them by\n"
+    "ko_cloud_estimate_normals.\n\n"
+    "Flaws: Gaussian noise moves each point by that deviation along each axis and leaves the normals. Outliers are added, uniform in the\n"
+    "box, with any normals. Holes are the points within balls of radius 0.04 D, removed. Density falls along x. Normals are flipped at\n"
+    "random, or those of the points nearest to one of them. Copies are points that are given again.\n\n";
 
 void all(const Data &data) {
     const Truth truth = truth_of(data("stanford/bunny_lsdo_genie.stl"));
-    print_introduction();
+    std::printf(INTRODUCTION, ko_version());
     std::printf("| flaw | default: rms | max | gradient | wrong signs | robust: rms | max | gradient | wrong signs | left out |\n");
     std::printf("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (const Flaw &flaw : FLAWS) {

@@ -21,7 +21,8 @@ private:
     std::unique_ptr<Trees> trees_;
 };
 
-// Exact signed distances of `points` [n x dim], positive outside. An open mesh has no side by CGAL: there the library's winding number tells it.
+// Exact signed distances of `points` [n x dim], positive outside. An open mesh has no side by CGAL: there the library's winding number tells
+// it.
 std::vector<double> exact_distances(const Mesh &mesh, const std::vector<double> &points);
 
 const char *oracle_version();

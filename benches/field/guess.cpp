@@ -88,8 +88,10 @@ void guess(const Data &data) {
             ko_fit_options options = options_of(BUNNY_GRID);
             options.reweightings = rounds;
             options.tolerance = tolerance;
-            const std::string key = std::string("guess_") + (rounds ? "default_rounds" : "one_solve") + (tolerance > 1e-6 ? "_1e-4" : "_1e-8");
-            for (const auto &[name, from] : {std::pair<const char *, const Field *>{"_from_zero", nullptr}, {"_from_explicit", &start}}) {
+            const std::string solve = rounds ? "default_rounds" : "one_solve", to = tolerance > 1e-6 ? "_1e-4" : "_1e-8";
+            const std::string key = "guess_" + solve + to;
+            const std::pair<const char *, const Field *> starts[] = {{"_from_zero", nullptr}, {"_from_explicit", &start}};
+            for (const auto &[name, from] : starts) {
                 const Field field = from ? refit(*from, cloud, options) : fit(cloud, options);
                 const ko_fit_report report = report_of(field);
                 print_count(key + name + "_iterations", report.iterations);

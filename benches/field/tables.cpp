@@ -72,7 +72,8 @@ void table_4(const Data &data) {
         {"fuselage_file", file("aircraft/fuselage_skinny_b.stl"), {47, 29, 29}, fuselage_paper, 6.7},
         {"wing_file", file("aircraft/wingsurf.stl"), {29, 47, 29}, wing_paper, 39.4},
         {"battery_pack_file", file("aircraft/battery_pack_skinny_b.stl"), {29, 47, 29}, pack_paper, 15.6}};
-    print("table_4_shapes", std::string("made by the bench but for the human and those that end in _file, whose edges are sharp where the paper's shapes are smooth"));
+    print("table_4_shapes", std::string("made by the bench, but for the human and those that end in _file"));
+    print("table_4_fuselage_file_edges", std::string("sharp, where the paper's fuselage is smooth"));
     for (const Row &row : rows) table_4_row(row);
 }
 
