@@ -31,6 +31,8 @@ packages() {
     need gcc command -v cc
     need g++ command -v c++
     need libc6-dev test -f /usr/include/stdio.h
+    need gfortran command -v gfortran
+    need python3-numpy find_numpy
     need binutils command -v objcopy
     need cmake command -v cmake
     need ninja-build command -v ninja
@@ -59,11 +61,12 @@ tests_named() {
     ctest --test-dir "$build" --output-on-failure --no-tests=error -R "^($1)\$"
 }
 
-# The C programs once more under valgrind: no wrong access, no leak. It replaces the allocator, so allocations.c has nothing to count.
+# The programs of C and Fortran once more under valgrind: no wrong access, no leak. It replaces the allocator, so allocations.c has nothing to count.
 under_valgrind() {
     local room program
     room=$(mktemp -d)
-    local programs=(lifecycle errors threads golden) data=${KEEPOUT_DATA:-$root/../shared/data}
+    local programs=(lifecycle plane level_sets normals refits errors errors_later threads golden fortran)
+    local data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     for program in "${programs[@]}"; do
         echo "$program"

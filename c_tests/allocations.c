@@ -42,14 +42,13 @@ int posix_memalign(void **out, size_t alignment, size_t size) {
 /* Allocations that the call made. */
 #define COUNTED(call) (n_allocations = 0, OK(call), n_allocations)
 
-int main(void) {
-    enum { N = 2000 };
-    ko_field *field = check_sphere_field(8);
-    double *inside = check_points(N, 0.9, 1), *outside = check_points(N, 5.0, 2);
-    static double values[N], gradients[3 * N], hessians[6 * N];
-    static uint8_t flags[N];
+enum { N = 2000 };
+static double values[N], gradients[3 * N], hessians[6 * N];
+static uint8_t flags[N];
 
-    double *const batches[] = {inside, outside};
+/* Points [dim * N] inside the box and outside it are evaluated without memory, whatever is wanted. */
+static void check_evaluation(const ko_field *field, const double *inside, const double *outside) {
+    const double *const batches[] = {inside, outside};
     for (int b = 0; b < 2; b++) {
         const double *points = batches[b];
         CHECK(COUNTED(ko_field_eval(field, points, N, values, NULL, NULL)) == 0);
@@ -61,6 +60,13 @@ int main(void) {
     }
     ko_fit_report report;
     CHECK(COUNTED(ko_field_get_report(field, sizeof report, &report)) == 0);
+}
+
+int main(void) {
+    ko_field *field = check_sphere_field(8), *plane = check_circle_field(8);
+    double *inside = check_points(N, 0.9, 1), *outside = check_points(N, 5.0, 2);
+    check_evaluation(field, inside, outside);
+    check_evaluation(plane, inside, outside);
 
     /* The counter counts: these calls do allocate. */
     ko_mesh *mesh = NULL;
@@ -71,6 +77,7 @@ int main(void) {
 
     ko_mesh_free(mesh);
     ko_field_free(field);
+    ko_field_free(plane);
     free(inside);
     free(outside);
     return check_result();

@@ -1,4 +1,4 @@
-/* What the tests in C and C++ share: checks that count, and two shapes. A test returns check_result() from main. */
+/* What the tests in C and C++ share: checks that count, and a few shapes. A test returns check_result() from main. */
 
 #ifndef KEEPOUT_CHECK_H
 #define KEEPOUT_CHECK_H
@@ -25,6 +25,12 @@ static int check_failures = 0;
 
 /* The call fails with this status, and with a message that contains these words. */
 #define FAILS(call, status, words) check_status((call), (status), (words), #call, __FILE__, __LINE__)
+
+/* A handle that a failed call must set to NULL. */
+#define STALE(type) ((type *)(uintptr_t)8)
+
+/* A pointer that is not NULL and not aligned for anything but bytes. */
+#define MISALIGNED(pointer) ((void *)((char *)(pointer) + 1))
 
 static inline void check_that(int holds, const char *what, const char *file, int line) {
     if (!holds) {
@@ -111,6 +117,37 @@ static inline ko_cloud *check_sphere(size_t n) {
     return cloud;
 }
 
+/* `n` points [2 * n] of the unit circle, counter-clockwise, which are their normals too. The caller frees them. */
+static inline double *check_circle_points(size_t n) {
+    double *points = (double *)malloc(2 * n * sizeof *points);
+    for (size_t i = 0; i < n; i++) {
+        double angle = 6.283185307179586 * (double)i / (double)n;
+        points[2 * i] = cos(angle);
+        points[2 * i + 1] = sin(angle);
+    }
+    return points;
+}
+
+static inline ko_cloud *check_circle(size_t n) {
+    double *points = check_circle_points(n);
+    ko_cloud *cloud = NULL;
+    OK(ko_cloud_from_points(2, points, points, n, &cloud));
+    free(points);
+    return cloud;
+}
+
+/* The square [-1, 1]^2 around the hole [-0.5, 0.5]^2. */
+static const double check_frame_points[16] = {
+    -1, -1, 1, -1, 1, 1, -1, 1, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, 0.5, -0.5,
+};
+static const size_t check_frame_starts[2] = {0, 4};
+
+static inline ko_mesh *check_frame(void) {
+    ko_mesh *mesh = NULL;
+    OK(ko_mesh_from_polylines(check_frame_points, 8, check_frame_starts, 2, 1, &mesh));
+    return mesh;
+}
+
 /* Options of a small fit on this thread alone: `n` control points along each axis. */
 static inline ko_fit_options check_options(uint32_t n) {
     ko_fit_options options;
@@ -125,6 +162,16 @@ static inline ko_fit_options check_options(uint32_t n) {
 /* A field of the unit sphere with `n` control points along each axis. */
 static inline ko_field *check_sphere_field(uint32_t n) {
     ko_cloud *cloud = check_sphere(500);
+    ko_fit_options options = check_options(n);
+    ko_field *field = NULL;
+    OK(ko_field_fit(cloud, &options, &field));
+    ko_cloud_free(cloud);
+    return field;
+}
+
+/* A field of the unit circle with `n` control points along each axis. */
+static inline ko_field *check_circle_field(uint32_t n) {
+    ko_cloud *cloud = check_circle(200);
     ko_fit_options options = check_options(n);
     ko_field *field = NULL;
     OK(ko_field_fit(cloud, &options, &field));

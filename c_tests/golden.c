@@ -1,21 +1,41 @@
-/* A field that version 0.1 wrote, kept for good: every later version must read it to the same numbers.
+/* Fields that earlier versions wrote, kept for good: every later version must read them to the same numbers.
  *
- *   golden FOLDER             checks FOLDER/field-0.1.kof against FOLDER/field-0.1.txt, then spoils copies of it in every way
- *   golden --write FOLDER     makes both anew: c_tests/abi/bless.sh calls this before a release, never after it
+ *   golden FOLDER             checks each FOLDER/NAME.kof against FOLDER/NAME.txt, then spoils copies of it in every way
+ *   golden --write FOLDER     makes those that are not there: c_tests/abi/bless.sh calls this before a release. What is there stays
  *
- * A line of the text holds a point, value, gradient and Hessian: 13 numbers. The file's layout is told in src/field/file.rs. */
+ * A line of the text holds a point, value, gradient and Hessian: 13 numbers in space, 8 in the plane. The file's layout is told in
+ * src/field/file.rs. */
 
 #include "check.h"
 #include <unistd.h>
 
-enum { N_POINTS = 60, N_NUMBERS = 13, HEADER = 160, CONTROL_POINTS = 8 };
+enum { N_POINTS = 60, MOST_NUMBERS = 13, HEADER = 160, CONTROL_POINTS = 8 };
+
+/* A field kept: of the sphere or the circle, named by the version that wrote it first. */
+struct golden {
+    const char *name;
+    int dim;
+    /* Points of its cloud, and control points in all. */
+    size_t n_points, n_unknowns;
+};
+
+static const struct golden kept[] = {
+    {"field-0.1", 3, 500, CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS},
+    {"field-0.2-plane", 2, 200, CONTROL_POINTS * CONTROL_POINTS},
+};
+enum { N_KEPT = sizeof kept / sizeof *kept };
 
 static const char *spoiled = "golden-spoiled.kof";
 
-static const char *in_folder(const char *folder, const char *name) {
+static const char *in_folder(const char *folder, const struct golden *golden, const char *ending) {
     static char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(path, sizeof path, "%s/%s%s", folder, golden->name, ending);
     return path;
+}
+
+/* Numbers of a line: point, value, gradient, Hessian. */
+static int n_numbers(const struct golden *golden) {
+    return golden->dim == 2 ? 2 + 1 + 2 + 3 : 3 + 1 + 3 + 6;
 }
 
 /* ---- the file's bytes ---- */
@@ -63,59 +83,65 @@ static void put_f64(unsigned char *to, double x) {
 
 /* ---- the numbers ---- */
 
-static void evaluate(const ko_field *field, const double *point, double *numbers) {
-    memcpy(numbers, point, 3 * sizeof *point);
-    OK(ko_field_eval(field, point, 1, numbers + 3, numbers + 4, numbers + 7));
+static void evaluate(const ko_field *field, int dim, const double *point, double *numbers) {
+    memcpy(numbers, point, (size_t)dim * sizeof *point);
+    OK(ko_field_eval(field, point, 1, numbers + dim, numbers + dim + 1, numbers + 2 * dim + 1));
 }
 
 /* Points in the box, on its faces and outside it. */
 static void place(const ko_fit_report *report, int i, uint64_t *seed, double *point) {
-    for (int a = 0; a < 3; a++) {
+    int dim = (int)report->dim;
+    for (int a = 0; a < dim; a++) {
         double low = report->box_min[a], high = report->box_max[a];
         double stretch = i % 3 == 2 ? 3.0 : 1.0;
         point[a] = 0.5 * (low + high) + stretch * (high - low) * (check_random(seed) - 0.5);
     }
     if (i % 3 == 1) {
-        int axis = i / 3 % 3;
+        int axis = i / 3 % dim;
         point[axis] = i / 9 % 2 ? report->box_min[axis] : report->box_max[axis];
     }
 }
 
-static void write_golden(const char *folder) {
-    ko_field *field = check_sphere_field(CONTROL_POINTS);
-    OK(ko_field_save(field, in_folder(folder, "field-0.1.kof")));
+static void write_golden(const char *folder, const struct golden *golden) {
+    FILE *there = fopen(in_folder(folder, golden, ".kof"), "rb");
+    if (there != NULL) {
+        fclose(there);
+        return;
+    }
+    ko_field *field = golden->dim == 2 ? check_circle_field(CONTROL_POINTS) : check_sphere_field(CONTROL_POINTS);
+    OK(ko_field_save(field, in_folder(folder, golden, ".kof")));
     ko_fit_report report;
     OK(ko_field_get_report(field, sizeof report, &report));
-    FILE *file = fopen(in_folder(folder, "field-0.1.txt"), "w");
+    FILE *file = fopen(in_folder(folder, golden, ".txt"), "w");
     CHECK(file != NULL);
     uint64_t seed = 1;
     for (int i = 0; file != NULL && i < N_POINTS; i++) {
-        double point[3], numbers[N_NUMBERS];
+        double point[3], numbers[MOST_NUMBERS];
         place(&report, i, &seed, point);
-        evaluate(field, point, numbers);
-        for (int j = 0; j < N_NUMBERS; j++) {
-            fprintf(file, "%.17g%c", numbers[j], j == N_NUMBERS - 1 ? '\n' : ' ');
+        evaluate(field, golden->dim, point, numbers);
+        for (int j = 0; j < n_numbers(golden); j++) {
+            fprintf(file, "%.17g%c", numbers[j], j == n_numbers(golden) - 1 ? '\n' : ' ');
         }
     }
     CHECK(file != NULL && fclose(file) == 0);
     ko_field_free(field);
 }
 
-static void numbers_are_the_same(const char *folder) {
+static void numbers_are_the_same(const char *folder, const struct golden *golden) {
     ko_field *field = NULL;
-    OK(ko_field_load(in_folder(folder, "field-0.1.kof"), &field));
-    FILE *file = fopen(in_folder(folder, "field-0.1.txt"), "r");
+    OK(ko_field_load(in_folder(folder, golden, ".kof"), &field));
+    FILE *file = fopen(in_folder(folder, golden, ".txt"), "r");
     CHECK(file != NULL);
-    double right[N_NUMBERS], numbers[N_NUMBERS];
+    double right[MOST_NUMBERS], numbers[MOST_NUMBERS];
     int n = 0, j = 0;
     while (file != NULL && fscanf(file, "%lf", &right[j]) == 1) {
-        if (++j == N_NUMBERS) {
-            evaluate(field, right, numbers);
+        if (++j == n_numbers(golden)) {
+            evaluate(field, golden->dim, right, numbers);
             double size = 1.0;
-            for (j = 3; j < N_NUMBERS; j++) {
+            for (j = golden->dim; j < n_numbers(golden); j++) {
                 size = fmax(size, fabs(right[j]));
             }
-            for (j = 3; j < N_NUMBERS; j++) {
+            for (j = golden->dim; j < n_numbers(golden); j++) {
                 CHECK_NEAR(numbers[j], right[j], 1e-13 * size);
             }
             j = 0;
@@ -128,7 +154,8 @@ static void numbers_are_the_same(const char *folder) {
     }
     ko_fit_report report;
     OK(ko_field_get_report(field, sizeof report, &report));
-    CHECK(report.n_unknowns == CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS && report.n_points == 500);
+    CHECK(report.dim == (uint32_t)golden->dim);
+    CHECK(report.n_unknowns == golden->n_unknowns && report.n_points == golden->n_points);
     CHECK(report.feasible == KO_FEASIBLE_OUTSIDE && report.rms > 0.0 && report.rms < report.max);
     ko_field_free(field);
 }
@@ -180,28 +207,49 @@ static void craft(size_t n) {
     write_bytes(crafted, n);
 }
 
-static void crafted_headers_are_not_believed(void) {
+struct count {
+    size_t at;
+    uint32_t x;
+    const char *words;
+};
+
+static void crafted_counts_are_not_believed(const struct count *counts, size_t n_counts) {
     memcpy(crafted, bytes, n_bytes);
     craft(n_bytes);
     ko_field *field = NULL;
     OK(ko_field_load(spoiled, &field)); /* The checksum here is the right one. */
     ko_field_free(field);
-
-    const struct {
-        size_t at;
-        uint32_t x;
-        const char *words;
-    } counts[] = {
-        {8, 2, "version 2"},          {12, 2, "dimension 2"},    {16, 3, "3 control points"},
-        {20, 0, "0 control points"},  {24, 9, "announces"},      {24, 7, "announces"},
-        {16, UINT32_MAX, "announces"}, {28, 2, "side is 2"},
-    };
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+    for (size_t i = 0; i < n_counts; i++) {
         memcpy(crafted, bytes, n_bytes);
         put_u32(crafted + counts[i].at, counts[i].x);
         craft(n_bytes);
         fails_to_load(KO_ERR_FORMAT, counts[i].words);
     }
+}
+
+/* What is said of z in the plane is 0. */
+static void crafted_headers_of_the_plane_are_not_believed(void) {
+    const struct count counts[] = {
+        {8, 2, "version 2"},  {12, 3, "0 control points"}, {12, 1, "dimension 1"}, {16, 3, "3 control points"},
+        {20, 9, "announces"}, {24, 4, "along z"},          {28, 2, "side is 2"},
+    };
+    crafted_counts_are_not_believed(counts, sizeof counts / sizeof *counts);
+    const size_t of_z[] = {48, 72};
+    for (int i = 0; i < 2; i++) {
+        memcpy(crafted, bytes, n_bytes);
+        put_f64(crafted + of_z[i], 0.5);
+        craft(n_bytes);
+        fails_to_load(KO_ERR_FORMAT, "along z");
+    }
+}
+
+static void crafted_headers_are_not_believed(void) {
+    const struct count counts[] = {
+        {8, 2, "version 2"},         {12, 4, "dimension 4"}, {12, 2, "along z"},   {16, 3, "3 control points"},
+        {20, 0, "0 control points"}, {24, 9, "announces"},   {24, 7, "announces"}, {16, UINT32_MAX, "announces"},
+        {28, 2, "side is 2"},
+    };
+    crafted_counts_are_not_believed(counts, sizeof counts / sizeof *counts);
     memcpy(crafted, bytes, n_bytes);
     for (int a = 0; a < 3; a++) {
         put_u32(crafted + 16 + 4 * a, UINT32_MAX);
@@ -226,19 +274,30 @@ static void crafted_headers_are_not_believed(void) {
 
 int main(int argc, char **argv) {
     if (argc == 3 && strcmp(argv[1], "--write") == 0) {
-        write_golden(argv[2]);
+        for (int i = 0; i < N_KEPT; i++) {
+            write_golden(argv[2], &kept[i]);
+        }
         return check_result();
     }
     if (argc != 2) {
         fprintf(stderr, "usage: golden [--write] FOLDER\n");
         return EXIT_FAILURE;
     }
-    numbers_are_the_same(argv[1]);
-    read_bytes(in_folder(argv[1], "field-0.1.kof"));
-    CHECK(n_bytes == HEADER + 8 * CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS + 4);
-    every_cut_is_an_error();
-    every_change_is_an_error();
-    crafted_headers_are_not_believed();
+    for (int i = 0; i < N_KEPT; i++) {
+        numbers_are_the_same(argv[1], &kept[i]);
+        read_bytes(in_folder(argv[1], &kept[i], ".kof"));
+        CHECK(n_bytes == HEADER + 8 * kept[i].n_unknowns + 4);
+        if (check_failures > 0) {
+            break;
+        }
+        every_cut_is_an_error();
+        every_change_is_an_error();
+        if (kept[i].dim == 2) {
+            crafted_headers_of_the_plane_are_not_believed();
+        } else {
+            crafted_headers_are_not_believed();
+        }
+    }
     CHECK(remove(spoiled) == 0);
     return check_result();
 }

@@ -15,6 +15,11 @@ static_assert(std::is_convertible_v<std::vector<double> &, keepout::Span<double>
 static_assert(std::is_convertible_v<keepout::Span<double>, keepout::Span<const double>>);
 static_assert(!std::is_convertible_v<std::vector<double>, keepout::Span<double>>, "results would go with the temporary");
 
+static_assert(std::is_same_v<decltype(std::declval<const keepout::Mesh &>().get()), const ko_mesh *>);
+static_assert(std::is_same_v<decltype(std::declval<const keepout::Cloud &>().get()), const ko_cloud *>);
+static_assert(std::is_same_v<decltype(std::declval<const keepout::Field &>().get()), const ko_field *>);
+static_assert(std::is_same_v<decltype(std::declval<keepout::Field &>().get()), ko_field *>);
+
 /// The call throws an Error with this status and these words.
 #define THROWS(call, right, words)                                                      \
     do {                                                                                \
@@ -31,6 +36,13 @@ static_assert(!std::is_convertible_v<std::vector<double>, keepout::Span<double>>
 
 static keepout::Mesh cube() { return keepout::Mesh::from_triangles(check_cube_vertices, check_cube_triangles); }
 
+/// The square [-1, 1]^2 around the square hole [-0.5, 0.5]^2.
+static const std::vector<double> frame_points = {-1, -1, 1, -1, 1, 1, -1, 1, -0.5, -0.5, -0.5, 0.5, 0.5, 0.5, 0.5, -0.5};
+
+static keepout::Mesh frame() {
+    return keepout::Mesh::from_polylines(frame_points, std::array<std::size_t, 2>{0, 4});
+}
+
 static keepout::FitOptions small_fit() {
     keepout::FitOptions options;
     std::fill(std::begin(options.control_points), std::end(options.control_points), 8u);
@@ -40,7 +52,7 @@ static keepout::FitOptions small_fit() {
 
 static void meshes_and_clouds() {
     keepout::Mesh mesh = cube();
-    CHECK(mesh.n_vertices() == 8 && mesh.n_triangles() == 12);
+    CHECK(mesh.dim() == 3 && mesh.n_vertices() == 8 && mesh.n_triangles() == 12);
     CHECK(mesh.vertices() == std::vector<double>(std::begin(check_cube_vertices), std::end(check_cube_vertices)));
     CHECK(mesh.triangles().size() == 36 && mesh.triangles()[35] == 6);
     CHECK(mesh.report().closed == 1);
@@ -52,7 +64,7 @@ static void meshes_and_clouds() {
     CHECK_NEAR(mesh.signed_distance({origin, 3}).at(0), -1.0, 1e-15);
 
     const keepout::Cloud cloud = mesh.sample(300, 1);
-    CHECK(cloud.size() == 300 && cloud.points().size() == 900 && cloud.normals().size() == 900);
+    CHECK(cloud.dim() == 3 && cloud.size() == 300 && cloud.points().size() == 900 && cloud.normals().size() == 900);
     CHECK(cloud.origins().triangles.size() == 300 && cloud.origins().barycentric.size() == 900);
     const keepout::Cloud copy = keepout::Cloud::from_points(cloud.points(), cloud.normals());
     CHECK(copy.points() == cloud.points());
@@ -60,7 +72,7 @@ static void meshes_and_clouds() {
 
 static void fields() {
     const keepout::Field field = keepout::Field::fit(cube().sample(500, 1), small_fit());
-    CHECK(field.report().n_unknowns == 512);
+    CHECK(field.dim() == 3 && field.report().n_unknowns == 512);
     const std::vector<double> points = {0, 0, 0, 1.1, 0.2, 0, 5, 5, 5};
     const keepout::Field::Evaluation all = field.eval(points);
     CHECK(all.values[0] < 0.0 && all.values[1] > 0.0 && all.gradients[3] > 0.5);
@@ -78,6 +90,74 @@ static void fields() {
     CHECK(std::remove("hpp.kof") == 0);
 }
 
+static void planes() {
+    keepout::Mesh mesh = frame();
+    CHECK(mesh.dim() == 2 && mesh.n_vertices() == 8 && mesh.n_triangles() == 8);
+    CHECK(mesh.vertices() == frame_points && mesh.triangles().size() == 16);
+    CHECK_NEAR(mesh.report().volume, 3.0, 1e-14);
+    mesh.flip();
+    CHECK(mesh.report().inside_out == 1);
+    mesh.flip();
+    CHECK((mesh.signed_distance(std::array<double, 4>{0, 0, 0.75, 0}) == std::vector<double>{0.5, -0.25}));
+    const keepout::Mesh line = keepout::Mesh::from_polylines(std::array<double, 4>{0, 0, 1, 0}, std::array<std::size_t, 1>{0},
+                                                             keepout::Polylines::open);
+    CHECK(line.n_triangles() == 1);
+
+    keepout::Cloud cloud = mesh.sample(400, 1);
+    CHECK(cloud.dim() == 2 && cloud.points().size() == 800 && cloud.normals().size() == 800);
+    CHECK(cloud.origins().triangles.size() == 400 && cloud.origins().barycentric.size() == 800);
+    const keepout::Cloud copy = keepout::Cloud::from_points(cloud.points(), cloud.normals(), 2);
+    CHECK(copy.dim() == 2 && copy.points() == cloud.points());
+
+    keepout::FitOptions options = small_fit();
+    std::fill(std::begin(options.control_points), std::end(options.control_points), 16u);
+    const keepout::Field field = keepout::Field::fit(cloud, options);
+    CHECK(field.dim() == 2 && field.report().n_unknowns == 256);
+    const std::vector<double> points = {0, 0, 0.75, 0.1, 1.05, 0.2, 5, 5};
+    const keepout::Field::Evaluation all = field.eval(points);
+    CHECK(all.values.size() == 4 && all.gradients.size() == 8 && all.hessians.size() == 12);
+    CHECK(all.values[0] > 0.0 && all.values[1] < 0.0 && all.values[3] > 0.0 && all.gradients[4] > 0.5);
+    CHECK(field.values(points) == all.values);
+    CHECK((field.outside_box(points) == std::vector<std::uint8_t>{0, 0, 0, 1}));
+    std::vector<double> values(4), gradients(8), hessians(12);
+    field.eval_parallel(2, points, values, gradients, hessians);
+    CHECK(values == all.values && gradients == all.gradients && hessians == all.hessians);
+    field.save("hpp_plane.kof");
+    const keepout::Field loaded = keepout::Field::load("hpp_plane.kof");
+    CHECK(loaded.dim() == 2 && loaded.values(points) == all.values);
+    CHECK(std::remove("hpp_plane.kof") == 0);
+
+    THROWS(field.eval(std::vector<double>(3)), KO_ERR_INVALID_ARGUMENT, "a multiple of 2");
+    THROWS(field.eval(points, values, gradients, gradients), KO_ERR_INVALID_ARGUMENT, "hessians has room for 8 entries; 12");
+    THROWS(keepout::Mesh::from_polylines(frame_points, std::array<std::size_t, 2>{4, 0}), KO_ERR_INVALID_ARGUMENT, "start");
+}
+
+/// Weights leave points out, and a robust fit finds them by itself.
+static void clouds_are_not_trusted_alike() {
+    const keepout::Cloud whole = cube().sample(400, 1);
+    std::vector<double> points = whole.points(), normals = whole.normals(), weights(400, 1.0);
+    for (int i = 0; i < 5; i++) {
+        points[3 * i] *= 0.5, points[3 * i + 1] *= 0.5, points[3 * i + 2] *= 0.5;
+        weights[i] = 0.0;
+    }
+    keepout::Cloud cloud = keepout::Cloud::from_points(points, normals);
+    keepout::FitOptions options = small_fit();
+    options.reweighting = KO_REWEIGHT_ROBUST;
+    CHECK(keepout::Field::fit(cloud, options).report().n_outliers >= 5);
+    cloud.set_weights(weights);
+    const double origin[3] = {0, 0, 0};
+    CHECK(keepout::Field::fit(cloud, small_fit()).values({origin, 3})[0] < 0.0);
+    weights[7] = -1.0;
+    THROWS(cloud.set_weights(weights), KO_ERR_INVALID_ARGUMENT, "weight 7");
+    THROWS(cloud.set_weights({origin, 3}), KO_ERR_INVALID_ARGUMENT, "3 weights");
+}
+
+static void versions_are_told() {
+    CHECK(keepout::version() == ko_version() && keepout::abi_version() == KO_ABI_VERSION);
+    CHECK((keepout::capabilities() & KO_CAPABILITY_3D) != 0);
+    CHECK(keepout::status_string(KO_ERR_IO) == "KO_ERR_IO");
+}
+
 static void errors_are_exceptions() {
     THROWS(keepout::Mesh::read("no-such-file.obj"), KO_ERR_IO, "no-such-file.obj");
     THROWS(keepout::Field::load("no-such-file.kof"), KO_ERR_IO, "no-such-file.kof");
@@ -90,6 +170,8 @@ static void errors_are_exceptions() {
     const keepout::Mesh taken = std::move(mesh);
     CHECK(taken.n_vertices() == 8);
     THROWS(mesh.n_vertices(), KO_ERR_INVALID_ARGUMENT, "mesh is NULL");
+    THROWS(keepout::Cloud(nullptr).points(), KO_ERR_INVALID_ARGUMENT, "cloud is NULL");
+    THROWS(keepout::Cloud::from_points(std::vector<double>(6), std::vector<double>(6), 4), KO_ERR_INVALID_ARGUMENT, "dim is 4");
 
     const keepout::Field field = keepout::Field::fit(cube().sample(300, 1), small_fit());
     std::vector<double> points(9), values(2), gradients(9);
@@ -134,6 +216,9 @@ static void progress_is_heard() {
 int main() {
     meshes_and_clouds();
     fields();
+    planes();
+    clouds_are_not_trusted_alike();
+    versions_are_told();
     errors_are_exceptions();
     progress_is_heard();
     return check_result();

@@ -98,6 +98,31 @@ static void fits_do_not_depend_on_threads(void) {
     ko_cloud_free(cloud);
 }
 
+static void level_sets_do_not_depend_on_threads(void) {
+    ko_level_set_options options;
+    OK(ko_level_set_options_init(&options, sizeof options));
+    ko_mesh *sets[3] = {NULL, NULL, NULL};
+    double *vertices[3] = {NULL, NULL, NULL};
+    uint32_t *triangles[3] = {NULL, NULL, NULL};
+    size_t n[3] = {0}, n_triangles[3] = {0};
+    for (uint32_t i = 0; i < 3; i++) {
+        options.n_threads = i + 1;
+        OK(ko_field_level_set(field, 0.0, &options, &sets[i]));
+        OK(ko_mesh_get_size(sets[i], &n[i], &n_triangles[i]));
+        vertices[i] = malloc(3 * n[i] * sizeof **vertices);
+        triangles[i] = malloc(3 * n_triangles[i] * sizeof **triangles);
+        OK(ko_mesh_copy(sets[i], n[i], n_triangles[i], vertices[i], triangles[i]));
+        CHECK(n[i] == n[0] && n_triangles[i] == n_triangles[0]);
+        CHECK(memcmp(vertices[i], vertices[0], 3 * n[0] * sizeof **vertices) == 0);
+        CHECK(memcmp(triangles[i], triangles[0], 3 * n_triangles[0] * sizeof **triangles) == 0);
+    }
+    for (int i = 0; i < 3; i++) {
+        ko_mesh_free(sets[i]);
+        free(vertices[i]);
+        free(triangles[i]);
+    }
+}
+
 int main(void) {
     mesh = check_cube();
     field = check_sphere_field(8);
@@ -105,6 +130,7 @@ int main(void) {
     threads_do_not_meet();
     threads_do_not_change_the_bits();
     fits_do_not_depend_on_threads();
+    level_sets_do_not_depend_on_threads();
     free(points);
     ko_field_free(field);
     ko_mesh_free(mesh);

@@ -9,6 +9,14 @@ need_rust() {
   return 1
 }
 
+# Finds a Python that has NumPy, into `python`: $PYTHON, that of the PATH, or Debian's, which is the one that Debian's NumPy is for.
+find_numpy() {
+  for python in "${PYTHON:-}" python3 /usr/bin/python3; do
+    [ -n "$python" ] && "$python" -c 'import numpy' 2>/dev/null && return
+  done
+  return 1
+}
+
 # Notes PACKAGE when the command TEST... fails.
 need() {
   local package=$1

@@ -27,29 +27,35 @@ fn folder_for(name: &str) -> PathBuf {
     folder
 }
 
-fn compile(name: &str, folder: &Path) -> PathBuf {
+/// The program of the file `source` of `c_tests`, with the header in `include`.
+fn compile(source: &Path, include: &Path, folder: &Path) -> PathBuf {
     let target = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let compiler = cc::Build::new().target(&target).host(&target).opt_level(1).cargo_metadata(false).get_compiler();
-    let program = folder.join(name);
+    let program = folder.join(source.file_stem().expect("a source has a name"));
     let status = compiler
         .to_command()
         .args(["-std=c99", "-D_XOPEN_SOURCE=700", "-Wall", "-Wextra", "-pedantic", "-Werror"])
         .arg("-I")
-        .arg(root().join("include"))
-        .arg(root().join("c_tests").join(name).with_extension("c"))
+        .arg(include)
+        .arg(source)
         .arg(deps().join("libkeepout.a"))
         .args(NATIVE_LIBRARIES)
         .arg("-o")
         .arg(&program)
         .status()
         .expect("the C compiler starts");
-    assert!(status.success(), "{name}.c does not compile");
+    assert!(status.success(), "{} does not compile", source.display());
     program
 }
 
 fn run(name: &str, arguments: &[&Path]) {
+    let source = root().join("c_tests").join(name).with_extension("c");
+    run_with_header(name, &source, &root().join("include"), arguments);
+}
+
+fn run_with_header(name: &str, source: &Path, include: &Path, arguments: &[&Path]) {
     let folder = folder_for(name);
-    let output = Command::new(compile(name, &folder)).args(arguments).current_dir(&folder).output();
+    let output = Command::new(compile(source, include, &folder)).args(arguments).current_dir(&folder).output();
     let output = output.expect("the program starts");
     assert!(output.status.success(), "{name}: {}\n{}", output.status, String::from_utf8_lossy(&output.stderr));
 }
@@ -60,8 +66,33 @@ fn lifecycle() {
 }
 
 #[test]
+fn plane() {
+    run("plane", &[]);
+}
+
+#[test]
+fn level_sets() {
+    run("level_sets", &[]);
+}
+
+#[test]
+fn normals() {
+    run("normals", &[]);
+}
+
+#[test]
+fn refits() {
+    run("refits", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
+}
+
+#[test]
+fn errors_later() {
+    run("errors_later", &[]);
 }
 
 #[test]
@@ -77,6 +108,21 @@ fn allocations() {
 #[test]
 fn golden() {
     run("golden", &[&root().join("c_tests/golden")]);
+}
+
+/// Programs of versions that are out, compiled with the headers of their time, run with this library: as long as the ABI's version stays.
+#[test]
+fn callers_of_kept_versions() {
+    let mut versions = 0;
+    for entry in root().join("c_tests/abi").read_dir().expect("the folder is there") {
+        let kept = entry.expect("the folder is read").path();
+        if kept.is_dir() {
+            let version = kept.file_name().expect("a folder has a name").to_string_lossy().into_owned();
+            run_with_header(&format!("kept_{version}"), &kept.join("lifecycle.c"), &kept, &[]);
+            versions += 1;
+        }
+    }
+    assert!(versions > 0, "no version is kept");
 }
 
 #[test]

@@ -22,7 +22,7 @@ mv "$room/first" "$room/prefix"
 prefix=$room/prefix
 lib=$(dirname "$(find "$prefix" -name 'libkeepout.so.*.*.*' -not -path '*/.debug/*')")
 for file in "$lib/libkeepout.so.$version" "$lib/libkeepout.so" "$lib/libkeepout.a" "$lib/.debug/libkeepout.so.$version.debug" \
-    "$prefix/include/keepout.h" "$prefix/include/keepout.hpp"; do
+    "$prefix/include/keepout.h" "$prefix/include/keepout.hpp" "$prefix/include/keepout.f90"; do
     [[ -e $file ]] || { echo "not installed: $file"; exit 1; }
 done
 # No folder of this machine is written into what is installed.
@@ -37,7 +37,7 @@ quietly cmake --build "$room/found"
 quietly ctest --test-dir "$room/found" --output-on-failure --no-tests=error
 
 step "find_package refuses other minor versions"
-for wanted in 0.2 1.0 0.0; do
+for wanted in 0.1 0.3 1.0; do
     if cmake -S "$here" -B "$room/refused-$wanted" -DCMAKE_PREFIX_PATH="$prefix" -DKEEPOUT_WANTED=$wanted >"$room/log" 2>&1; then
         echo "find_package(keepout $wanted) took version $version"
         exit 1
@@ -53,6 +53,10 @@ cc "$here/user.c" "${flags[@]}" -o "$room/user_c"
 c++ -std=c++17 "$here/user.cpp" "${flags[@]}" -o "$room/user_cpp"
 LD_LIBRARY_PATH=$lib "$room/user_c"
 LD_LIBRARY_PATH=$lib "$room/user_cpp"
+if command -v gfortran >/dev/null; then
+    gfortran -J "$room" "$prefix/include/keepout.f90" "$here/user.f90" "${flags[@]}" -o "$room/user_fortran"
+    LD_LIBRARY_PATH=$lib "$room/user_fortran"
+fi
 read -ra static_flags <<<"$(pkg-config --cflags --static --libs keepout)"
 cc "$here/user.c" "${static_flags[@]/-lkeepout/-l:libkeepout.a}" -o "$room/user_static"
 "$room/user_static"

@@ -129,8 +129,9 @@ impl ko_fit_options {
                 )));
             }
         };
-        if let Some(reserved) = [self.reserved, self.reserved_2].iter().find(|r| **r != 0) {
-            return Err(Error::InvalidArgument(format!("a reserved field is {reserved}; it must be 0")));
+        let reserved = [("reserved", self.reserved), ("reserved_2", self.reserved_2)];
+        if let Some((name, value)) = reserved.iter().find(|(_, value)| *value != 0) {
+            return Err(Error::InvalidArgument(format!("{name} is {value}; it must be 0")));
         }
         Ok(FitOptions {
             control_points: self.control_points,

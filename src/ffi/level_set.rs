@@ -90,7 +90,7 @@ impl ko_level_set_options {
     /// The same for the level set.
     fn to_level_set_options(self) -> Result<LevelSetOptions> {
         if self.reserved != 0 {
-            return Err(Error::InvalidArgument(format!("a reserved field is {}; it must be 0", self.reserved)));
+            return Err(Error::InvalidArgument(format!("reserved is {}; it must be 0", self.reserved)));
         }
         Ok(LevelSetOptions {
             subdivisions: self.subdivisions,

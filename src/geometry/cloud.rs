@@ -70,7 +70,7 @@ impl<const D: usize> Cloud<D> {
         self
     }
 
-    /// Gives each point a weight, `weights` [N]: how much a fit trusts it, compared with the others. A point of weight 0 takes no part in a
+    /// Gives each point a weight, `weights` `[N]`: how much a fit trusts it, compared with the others. A point of weight 0 takes no part in a
     /// fit, as if it were not there.
     pub fn set_weights(&mut self, weights: Vec<f64>) -> Result<()> {
         if weights.len() != self.len() {
@@ -167,7 +167,7 @@ impl<const D: usize> Cloud<D> {
         self.origins.as_deref()
     }
 
-    /// How much each point counts [N], where not all count alike.
+    /// How much each point counts `[N]`, where not all count alike.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }

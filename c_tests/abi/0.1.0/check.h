@@ -1,0 +1,135 @@
+/* What the tests in C and C++ share: checks that count, and two shapes. A test returns check_result() from main. */
+
+#ifndef KEEPOUT_CHECK_H
+#define KEEPOUT_CHECK_H
+
+#include <keepout.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A test that lacks what it needs ends with this; CTest knows it as "skipped". */
+enum { CHECK_SKIPPED = 77 };
+
+static int check_failures = 0;
+
+/* The condition holds. */
+#define CHECK(condition) check_that((condition), #condition, __FILE__, __LINE__)
+
+/* |a - b| <= tolerance; false for NaN. */
+#define CHECK_NEAR(a, b, tolerance) check_near((a), (b), (tolerance), #a " = " #b, __FILE__, __LINE__)
+
+/* The call succeeds. */
+#define OK(call) check_status((call), KO_OK, "", #call, __FILE__, __LINE__)
+
+/* The call fails with this status, and with a message that contains these words. */
+#define FAILS(call, status, words) check_status((call), (status), (words), #call, __FILE__, __LINE__)
+
+static inline void check_that(int holds, const char *what, const char *file, int line) {
+    if (!holds) {
+        check_failures++;
+        fprintf(stderr, "%s:%d: not so: %s\n", file, line, what);
+    }
+}
+
+static inline void check_near(double a, double b, double tolerance, const char *what, const char *file, int line) {
+    if (!(fabs(a - b) <= tolerance)) {
+        check_failures++;
+        fprintf(stderr, "%s:%d: not so: %s: %.17g and %.17g differ by %.3g, more than %.3g\n", file, line, what, a, b,
+                fabs(a - b), tolerance);
+    }
+}
+
+static inline void check_status(int32_t status, int32_t right, const char *words, const char *call, const char *file,
+                                int line) {
+    int fails = status < 0;
+    if (status != right || (fails && strstr(ko_last_error(), words) == NULL)) {
+        check_failures++;
+        fprintf(stderr, "%s:%d: %s: %s \"%s\"; right is %s with \"%s\"\n", file, line, call, ko_status_string(status),
+                fails ? ko_last_error() : "", ko_status_string(right), words);
+    }
+}
+
+static inline int check_result(void) {
+    if (check_failures > 0) {
+        fprintf(stderr, "%d checks failed\n", check_failures);
+    }
+    return check_failures > 0 ? EXIT_FAILURE : EXIT_SUCCESS;
+}
+
+/* A number in [0, 1), the next of a sequence (splitmix64). */
+static inline double check_random(uint64_t *state) {
+    uint64_t z = (*state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/* `n` points [3 * n], uniform in the cube [-half, half]^3. The caller frees them. */
+static inline double *check_points(size_t n, double half, uint64_t seed) {
+    double *points = (double *)malloc(3 * n * sizeof *points);
+    for (size_t i = 0; i < 3 * n; i++) {
+        points[i] = half * (2.0 * check_random(&seed) - 1.0);
+    }
+    return points;
+}
+
+/* The cube [-1, 1]^3. */
+static const double check_cube_vertices[24] = {
+    -1, -1, -1, 1, -1, -1, -1, 1, -1, 1, 1, -1, -1, -1, 1, 1, -1, 1, -1, 1, 1, 1, 1, 1,
+};
+static const uint32_t check_cube_triangles[36] = {
+    0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6,
+};
+
+static inline ko_mesh *check_cube(void) {
+    ko_mesh *mesh = NULL;
+    OK(ko_mesh_from_triangles(check_cube_vertices, 8, check_cube_triangles, 12, &mesh));
+    return mesh;
+}
+
+/* `n` points [3 * n] of the unit sphere, which are their normals too, along a spiral. The caller frees them. */
+static inline double *check_sphere_points(size_t n) {
+    double *points = (double *)malloc(3 * n * sizeof *points);
+    for (size_t i = 0; i < n; i++) {
+        double z = 1.0 - (2.0 * (double)i + 1.0) / (double)n;
+        double r = sqrt(1.0 - z * z);
+        double angle = 2.399963229728653 * (double)i;
+        points[3 * i] = r * cos(angle);
+        points[3 * i + 1] = r * sin(angle);
+        points[3 * i + 2] = z;
+    }
+    return points;
+}
+
+static inline ko_cloud *check_sphere(size_t n) {
+    double *points = check_sphere_points(n);
+    ko_cloud *cloud = NULL;
+    OK(ko_cloud_from_points(3, points, points, n, &cloud));
+    free(points);
+    return cloud;
+}
+
+/* Options of a small fit on this thread alone: `n` control points along each axis. */
+static inline ko_fit_options check_options(uint32_t n) {
+    ko_fit_options options;
+    OK(ko_fit_options_init(&options, sizeof options));
+    for (int a = 0; a < 3; a++) {
+        options.control_points[a] = n;
+    }
+    options.n_threads = 1;
+    return options;
+}
+
+/* A field of the unit sphere with `n` control points along each axis. */
+static inline ko_field *check_sphere_field(uint32_t n) {
+    ko_cloud *cloud = check_sphere(500);
+    ko_fit_options options = check_options(n);
+    ko_field *field = NULL;
+    OK(ko_field_fit(cloud, &options, &field));
+    ko_cloud_free(cloud);
+    return field;
+}
+
+#endif

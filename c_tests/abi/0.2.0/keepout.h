@@ -1,0 +1,998 @@
+/*
+ * Keepout: geometric non-interference for gradient-based design.
+ * SPDX-License-Identifier: Apache-2.0 OR MIT
+ *
+ * Status. Calls that can fail return int32_t: KO_OK is 0, errors are negative, positive values are successes with a remark, so test < 0.
+ *   ko_last_error() has the message. After an error outputs are as they were (batches: unspecified) and handles too.
+ * Handles. A ko_x comes from a call with an output `ko_x **x`, set to NULL first; it goes by ko_x_free, which takes NULL.
+ * Arguments. Inputs first, outputs last; arrays are row-major doubles, aligned as C aligns them, and do not overlap outputs. NULL is an
+ *   error where something is required, "not wanted" for an output that is said to be optional, fine for an array of no entries.
+ * Threads. A `const` handle is not changed: any number of threads may make such calls on it at once. Other calls need the handle alone.
+ * Memory. What grows with the input is refused as KO_ERR_OUT_OF_MEMORY when it cannot be had; a small allocation that fails aborts.
+ * Structs. Those that begin with struct_size grow at their end in later versions; the size tells which one the caller knows.
+ * Lengths are in the caller's unit, errors and weights in units of D, the diagonal of the cloud's bounding box. Equations are those of
+ *   Dunn et al., "Scalable enforcement of geometric non-interference constraints for gradient-based optimization" (2023).
+ */
+
+
+#ifndef KEEPOUT_H
+#define KEEPOUT_H
+
+/* Generated from src/ffi by cbindgen: change it there. */
+
+#include <stddef.h>
+#include <stdint.h>
+
+/**
+ * The call did what it says.
+ */
+#define KO_OK 0
+
+/**
+ * A success with a remark: the level set meets the field's box, and its mesh is open there.
+ */
+#define KO_OPEN_AT_BOX 1
+
+/**
+ * An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
+ */
+#define KO_ERR_INVALID_ARGUMENT -1
+
+/**
+ * The call would take more memory than its limit, or than the system gives.
+ */
+#define KO_ERR_OUT_OF_MEMORY -2
+
+/**
+ * The operating system could not read or write a file.
+ */
+#define KO_ERR_IO -3
+
+/**
+ * A file's content is not what its format asks for.
+ */
+#define KO_ERR_FORMAT -4
+
+/**
+ * The request is sound, but this version does not serve it.
+ */
+#define KO_ERR_UNSUPPORTED -5
+
+/**
+ * The geometry gives no such result: all points equal, say.
+ */
+#define KO_ERR_DEGENERATE -6
+
+/**
+ * The solve stopped short of its tolerance.
+ */
+#define KO_ERR_NOT_CONVERGED -7
+
+/**
+ * The caller's progress function asked to stop.
+ */
+#define KO_ERR_CANCELLED -8
+
+/**
+ * A fault of this library. The handles of the call are as they were; please report the message.
+ */
+#define KO_ERR_INTERNAL -9
+
+/**
+ * Version of the ABI that this header describes; it is the number in the soname. It moves when the ABI breaks, and only then.
+ */
+#define KO_ABI_VERSION 0
+
+/**
+ * Bit of `ko_capabilities`: meshes and fields in three dimensions.
+ */
+#define KO_CAPABILITY_3D 1
+
+/**
+ * Bit of `ko_capabilities`: files compressed by gzip are read.
+ */
+#define KO_CAPABILITY_GZIP 2
+
+/**
+ * Bit of `ko_capabilities`: curves and fields in the plane.
+ */
+#define KO_CAPABILITY_2D 4
+
+/**
+ * Bit of a point's flags: it lies at the very place of an earlier point, whose normal it shares.
+ */
+#define KO_POINT_COPY 1
+
+/**
+ * Bit of a point's flags: it is far from its neighbours, for how near those are to theirs.
+ */
+#define KO_POINT_OUTLIER 2
+
+/**
+ * Bit of a point's flags: it lies on a line with its neighbours; no plane could be told, and its normal is one of many.
+ */
+#define KO_POINT_DEGENERATE 4
+
+/**
+ * Bit of a point's flags: its neighbours ask, in sum, for the other sign of its normal.
+ */
+#define KO_POINT_DOUBTFUL 8
+
+/**
+ * phi > 0 on the side that the normals point to: outside a solid. grad phi = +n on the surface.
+ */
+#define KO_FEASIBLE_OUTSIDE 0
+
+/**
+ * phi > 0 on the other side: inside a solid. grad phi = -n on the surface.
+ */
+#define KO_FEASIBLE_INSIDE 1
+
+/**
+ * Points that the surface misses count for more: against the largest error, for clouds to be trusted.
+ */
+#define KO_REWEIGHT_LARGEST 0
+
+/**
+ * Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more, the
+ * first of them much smoother.
+ */
+#define KO_REWEIGHT_ROBUST 1
+
+/**
+ * Points of a surface in space (dim 3) or of a curve in the plane (dim 2) with unit normals. Freed by `ko_cloud_free`.
+ */
+typedef struct ko_cloud ko_cloud;
+
+/**
+ * A level-set function phi, close to the signed distance to a shape. Freed by `ko_field_free`.
+ */
+typedef struct ko_field ko_field;
+
+/**
+ * A triangulated surface in space (dim 3), or polylines in the plane (dim 2). Freed by `ko_mesh_free`.
+ */
+typedef struct ko_mesh ko_mesh;
+
+/**
+ * What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length for
+ * area, area for volume; entries along z are 0.
+ */
+typedef struct ko_mesh_report {
+    /**
+     * sizeof(ko_mesh_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * Vertices, used by a triangle or not.
+     */
+    uint64_t n_vertices;
+    /**
+     * Triangles.
+     */
+    uint64_t n_triangles;
+    /**
+     * Parts that are connected through shared edges.
+     */
+    uint64_t n_components;
+    /**
+     * Edges with one triangle.
+     */
+    uint64_t n_boundary_edges;
+    /**
+     * Edges with more than two triangles.
+     */
+    uint64_t n_non_manifold_edges;
+    /**
+     * Vertices whose triangles form more than one fan.
+     */
+    uint64_t n_non_manifold_vertices;
+    /**
+     * Triangles without area: a vertex twice, or a height of at most 1e-10 of the longest side.
+     */
+    uint64_t n_degenerate;
+    /**
+     * Triangles whose three vertices another triangle before them has too.
+     */
+    uint64_t n_duplicate;
+    /**
+     * Vertices that no triangle uses.
+     */
+    uint64_t n_unreferenced;
+    /**
+     * 1: no boundary edge.
+     */
+    int32_t closed;
+    /**
+     * 1: neighbours run through their shared edge in opposite directions.
+     */
+    int32_t oriented;
+    /**
+     * 1: at most two triangles at an edge, one fan at a vertex.
+     */
+    int32_t manifold;
+    /**
+     * 1: closed and oriented with normals that point into the solid (volume < 0): `ko_mesh_flip` turns it.
+     */
+    int32_t inside_out;
+    /**
+     * Lower corner of the bounding box.
+     */
+    double bounds_min[3];
+    /**
+     * Upper corner of the bounding box.
+     */
+    double bounds_max[3];
+    /**
+     * Area, in the square of the mesh's unit.
+     */
+    double area;
+    /**
+     * Signed volume, in the cube of the mesh's unit; it means something for a closed, oriented mesh.
+     */
+    double volume;
+} ko_mesh_report;
+
+/**
+ * Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0 cancels.
+ * It must not unwind, throw or jump out.
+ */
+typedef int32_t (*ko_progress)(double fraction, const char *stage, void *data);
+
+/**
+ * Options of `ko_cloud_estimate_normals`. Initialise by `ko_normal_options_init`, then set what shall differ.
+ */
+typedef struct ko_normal_options {
+    /**
+     * sizeof(ko_normal_options), set by ko_normal_options_init.
+     */
+    size_t struct_size;
+    /**
+     * Nearest neighbours that a normal is taken from, in [3, 64]; 0 (the default) for 10 in space and 4 in the plane. More smooth noise, and
+     * edges with it.
+     */
+    uint32_t neighbours;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * A point whose mean distance to its neighbours is this many times the median of theirs is an outlier; above 1. Default 2.5.
+     */
+    double outlier_factor;
+    /**
+     * Bytes that the call may take; more is refused before any is taken. Default 8 GiB.
+     */
+    uint64_t memory_limit;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_normal_options;
+
+/**
+ * What an estimate of normals found. Filled by `ko_cloud_estimate_normals`, the `flags` of which tell which points are counted here.
+ */
+typedef struct ko_normal_report {
+    /**
+     * sizeof(ko_normal_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * Parts that neighbours connect; each has a sign of its own.
+     */
+    uint64_t n_components;
+    /**
+     * Points at the place of an earlier one: KO_POINT_COPY.
+     */
+    uint64_t n_copies;
+    /**
+     * Points far from their neighbours: KO_POINT_OUTLIER.
+     */
+    uint64_t n_outliers;
+    /**
+     * Points on a line with their neighbours: KO_POINT_DEGENERATE.
+     */
+    uint64_t n_degenerate;
+    /**
+     * Points whose neighbours ask for the other sign: KO_POINT_DOUBTFUL.
+     */
+    uint64_t n_doubtful;
+    /**
+     * Of what all pairs of neighbours ask for, by weight, the fraction that the signs meet: 1 is all. Below 0.9, look at the result.
+     */
+    double agreement;
+    /**
+     * Seconds of the call.
+     */
+    double seconds;
+} ko_normal_report;
+
+/**
+ * Options of `ko_field_fit` and `ko_field_refit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit:
+ * lengths are taken in units of D, the diagonal of the cloud's bounding box.
+ */
+typedef struct ko_fit_options {
+    /**
+     * sizeof(ko_fit_options), set by ko_fit_options_init.
+     */
+    size_t struct_size;
+    /**
+     * Control points along x, y, z: at least 4 each, honoured exactly; 0 (the default) lets the fit choose: near-cubic cells, about
+     * twice as many control points as points, between 4096 and 262144. In the plane z is ignored, and N points get N^2 / 100, between
+     * 1024 and 65536.
+     */
+    uint32_t control_points[3];
+    /**
+     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: the paper's fit. Default 3.
+     */
+    uint32_t reweightings;
+    /**
+     * How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
+     */
+    double margin;
+    /**
+     * lambda_n of (10): weight of the normals, in [1e-12, 1e12]. Default 1e-4.
+     */
+    double lambda_normal;
+    /**
+     * lambda_r of (10): weight of the smoothness, in [1e-20, 1e12]. Default 3e-10.
+     */
+    double lambda_smooth;
+    /**
+     * Weight of the distance energy (9), kept to cells away from the surface, in units of lambda_smooth / h^4, h the longest cell edge in
+     * units of D. It keeps the sign right far from the data. In [0, 1e6]; 0: none, the paper's fit. Default 150.
+     */
+    double distance_weight;
+    /**
+     * Relative residual of the solve to reach, in [1e-15, 0.5]. Default 1e-4.
+     */
+    double tolerance;
+    /**
+     * KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where phi > 0.
+     */
+    int32_t feasible;
+    /**
+     * Iterations in all after which not having reached the tolerance is KO_ERR_NOT_CONVERGED; at least 1. Default 20000.
+     */
+    uint32_t max_iterations;
+    /**
+     * Bytes that the fit may take; a larger one is refused before any is taken. Default 8 GiB.
+     */
+    uint64_t memory_limit;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+    /**
+     * What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST.
+     */
+    int32_t reweighting;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved_2;
+} ko_fit_options;
+
+/**
+ * What a field is and what its fit did. Filled by `ko_field_get_report`. Errors are fractions of D.
+ */
+typedef struct ko_fit_report {
+    /**
+     * sizeof(ko_fit_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * 2 in the plane, where entries along z are 0; 3 in space.
+     */
+    uint32_t dim;
+    /**
+     * KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE.
+     */
+    int32_t feasible;
+    /**
+     * Control points along x, y, z; an axis of n has n - 3 cells.
+     */
+    uint32_t control_points[3];
+    /**
+     * Iterations of the solve, all rounds together.
+     */
+    uint32_t iterations;
+    /**
+     * Unknowns of the solve: control points in all.
+     */
+    uint64_t n_unknowns;
+    /**
+     * Points of the cloud.
+     */
+    uint64_t n_points;
+    /**
+     * Bytes that the field holds.
+     */
+    uint64_t bytes;
+    /**
+     * Lower corner of the box.
+     */
+    double box_min[3];
+    /**
+     * Upper corner of the box.
+     */
+    double box_max[3];
+    /**
+     * D: diagonal of the cloud's bounding box.
+     */
+    double diagonal;
+    /**
+     * Relative residual reached.
+     */
+    double residual;
+    /**
+     * Seconds to sort the points and build the system.
+     */
+    double seconds_assembly;
+    /**
+     * Seconds of the solve.
+     */
+    double seconds_solve;
+    /**
+     * Seconds to measure the errors.
+     */
+    double seconds_check;
+    /**
+     * Root mean square of phi at the points of the cloud.
+     */
+    double rms;
+    /**
+     * Largest |phi| at the points of the cloud.
+     */
+    double max;
+    /**
+     * Mean of |grad phi| at the points of the cloud: 1 for a distance.
+     */
+    double mean_gradient;
+    /**
+     * Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
+     */
+    uint64_t n_outliers;
+} ko_fit_report;
+
+/**
+ * Options of `ko_field_level_set`. Initialise by `ko_level_set_options_init`, then set what shall differ.
+ */
+typedef struct ko_level_set_options {
+    /**
+     * sizeof(ko_level_set_options), set by ko_level_set_options_init.
+     */
+    size_t struct_size;
+    /**
+     * Lattice edges per cell of the field, along each axis, in [1, 1024]. What is thinner than a lattice edge may be missed, or joined: this
+     * decides the topology, and most of the cost. Default 4.
+     */
+    uint32_t subdivisions;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Edges of the result shorter than this fraction of the field's shortest cell edge are collapsed, where that changes neither topology
+     * nor side and bends nothing far from the level set; in [0, 1], 0 keeps them all. It decides the size of the result. Default 0.3.
+     */
+    double shortest_edge;
+    /**
+     * Rounds in which vertices move along the level set towards the middle of their neighbours; at most 1000. Default 6.
+     */
+    uint32_t relaxations;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Bytes that the call may take; more is refused before it is taken. Default 8 GiB.
+     */
+    uint64_t memory_limit;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_level_set_options;
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+/**
+ * Message of the last call that failed on this thread: what was wrong, where, and what would be right.
+ *
+ * Never NULL; "" when no call failed yet. Owned by the library; valid until the next failing call on this thread. A call that succeeds
+ * leaves it as it is. Threads: each has its own. Cost: none.
+ */
+const char *ko_last_error(void);
+
+/**
+ * Name of a status code, "KO_OK" for 0, say; "unknown status" for a number that is none. Never NULL; static. Any thread.
+ */
+const char *ko_status_string(int32_t status);
+
+/**
+ * Version of the library as "major.minor.patch". Never NULL; static. Any thread.
+ */
+const char *ko_version(void);
+
+/**
+ * Version of the ABI of the library that is loaded: compare with `KO_ABI_VERSION`, that of the header. Any thread.
+ */
+uint32_t ko_abi_version(void);
+
+/**
+ * What this build can do, as an or of `KO_CAPABILITY_` bits. Any thread.
+ */
+uint64_t ko_capabilities(void);
+
+/**
+ * Reads a mesh from `path`: OBJ, STL (binary, ASCII), PLY (binary, ASCII) or OFF, each also compressed by gzip.
+ *
+ * The format is told by the content where it has a mark, else by the name's ending. Polygons are cut into fans of triangles; the equal
+ * vertices of an STL are merged. `path` is UTF-8 on Windows, bytes elsewhere. `*mesh` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path, KO_ERR_IO, KO_ERR_FORMAT with line or byte, KO_ERR_UNSUPPORTED for other
+ * formats, KO_ERR_OUT_OF_MEMORY, also for more than 4 GiB after unpacking. Threads: any. Cost: one pass over the file.
+ */
+int32_t ko_mesh_read(const char *path,
+                     struct ko_mesh **mesh);
+
+/**
+ * Writes the mesh to the file `path`, in the format that its ending names: .obj, .off, .ply or .stl, in small letters or capitals.
+ *
+ * OBJ, OFF and PLY (binary) hold every bit of the coordinates; STL (binary) rounds them to `float`, and vertices that become one are one
+ * when it is read. A mesh of the plane is written as OBJ: lines, z = 0. A file that stood there is replaced whole or, after an error, left
+ * as it was. `path` is UTF-8 on Windows, bytes elsewhere.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL, an empty path, or a coordinate that an STL cannot hold; KO_ERR_UNSUPPORTED for other endings;
+ * KO_ERR_IO. Threads: any. Cost: one pass.
+ */
+int32_t ko_mesh_write(const struct ko_mesh *mesh,
+                      const char *path);
+
+/**
+ * Makes a mesh from `vertices` [3 * n_vertices] and `triangles` [3 * n_triangles], indices from 0, counter-clockwise seen from outside.
+ *
+ * The arrays are copied. `*mesh` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for no triangle, a coordinate that is not finite, an index out of range; KO_ERR_OUT_OF_MEMORY.
+ * Threads: any. Cost: O(n_vertices + n_triangles).
+ */
+int32_t ko_mesh_from_triangles(const double *vertices,
+                               size_t n_vertices,
+                               const uint32_t *triangles,
+                               size_t n_triangles,
+                               struct ko_mesh **mesh);
+
+/**
+ * Makes a mesh of the plane from polylines: `points` [2 * n_points], of which polyline i begins at `loop_starts`[i] [n_loops].
+ *
+ * `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last; 0:
+ * none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that repeats
+ * the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
+ * that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
+ * same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
+ * Cost: O(n_points log n_points) where segments are short, and the number of loops times that of the segments below each one's leftmost
+ * point.
+ */
+int32_t ko_mesh_from_polylines(const double *points,
+                               size_t n_points,
+                               const size_t *loop_starts,
+                               size_t n_loops,
+                               int32_t closed,
+                               struct ko_mesh **mesh);
+
+/**
+ * Frees a mesh. NULL is taken. No other thread may be using it.
+ */
+void ko_mesh_free(struct ko_mesh *mesh);
+
+/**
+ * Tells the dimension of the mesh: 3 for triangles in space, 2 for segments in the plane.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_mesh_get_dim(const struct ko_mesh *mesh, uint32_t *dim);
+
+/**
+ * Tells how many vertices and triangles, in the plane segments, the mesh has. Either output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for no mesh. Threads: any. Cost: none.
+ */
+int32_t ko_mesh_get_size(const struct ko_mesh *mesh, size_t *n_vertices, size_t *n_triangles);
+
+/**
+ * Copies the mesh to `vertices` [dim * n_vertices] and `triangles` [dim * n_triangles], in the plane the segments; either may be NULL.
+ *
+ * The counts must be those of `ko_mesh_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for other counts. Threads: any. Cost: a copy.
+ */
+int32_t ko_mesh_copy(const struct ko_mesh *mesh,
+                     size_t n_vertices,
+                     size_t n_triangles,
+                     double *vertices,
+                     uint32_t *triangles);
+
+/**
+ * Tells how many points and polylines `ko_mesh_copy_polylines` gives of a mesh of the plane. Either output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for no mesh and for one of space; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_vertices), with some 30
+ * bytes a vertex taken meanwhile.
+ */
+int32_t ko_mesh_get_polylines_size(const struct ko_mesh *mesh,
+                                   size_t *n_points,
+                                   size_t *n_loops);
+
+/**
+ * Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of which
+ * polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
+ *
+ * Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A solid
+ * lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
+ * Errors: KO_ERR_INVALID_ARGUMENT, also for a mesh of space and for other counts; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: that of
+ * `ko_mesh_get_polylines_size`, and a copy.
+ */
+int32_t ko_mesh_copy_polylines(const struct ko_mesh *mesh,
+                               size_t n_points,
+                               size_t n_loops,
+                               double *points,
+                               size_t *loop_starts,
+                               uint8_t *closed);
+
+/**
+ * Fills `report` with what can be said of the mesh: closed, oriented, manifold, components, flaws, extents. See `ko_mesh_report`.
+ *
+ * `struct_size` is sizeof *report. Errors: KO_ERR_INVALID_ARGUMENT, KO_ERR_OUT_OF_MEMORY. Threads: any.
+ * Cost: O(n_triangles log n_triangles), with some 100 bytes a triangle taken meanwhile.
+ */
+int32_t ko_mesh_get_report(const struct ko_mesh *mesh,
+                           size_t struct_size,
+                           struct ko_mesh_report *report);
+
+/**
+ * Turns every triangle, in the plane every segment, over, so that an inside-out solid becomes a solid.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL. No other thread may be using the mesh. Cost: O(n_triangles).
+ */
+int32_t ko_mesh_flip(struct ko_mesh *mesh);
+
+/**
+ * Samples `n_points` points of the surface with normals, spread evenly by area (blue noise: Yuksel 2015), into a cloud; of curves in the
+ * plane evenly by length.
+ *
+ * Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and
+ * barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's
+ * to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
+ * Threads: any. Cost: O(n_points log n_points + n_triangles).
+ */
+int32_t ko_mesh_sample(const struct ko_mesh *mesh,
+                       size_t n_points,
+                       uint64_t seed,
+                       struct ko_cloud **cloud);
+
+/**
+ * Exact signed distances of `points` [dim * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
+ *
+ * The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
+ * Threads: any number at once. Cost: O(log n_triangles) a point; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
+ */
+int32_t ko_mesh_signed_distance(const struct ko_mesh *mesh,
+                                const double *points,
+                                size_t n_points,
+                                double *distances);
+
+/**
+ * Makes a cloud from `points` [dim * n_points] with `normals` [dim * n_points] out of the solid, of any length but 0.
+ *
+ * `dim` is 2 or 3. NULL normals are estimated, on all cores, by `ko_cloud_estimate_normals` with its default options, where the errors and
+ * the cost of that are told. The arrays are copied. `*cloud` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30, for a point or normal that is not finite and for a normal of length 0,
+ * naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: O(n_points).
+ */
+int32_t ko_cloud_from_points(uint32_t dim,
+                             const double *points,
+                             const double *normals,
+                             size_t n_points,
+                             struct ko_cloud **cloud);
+
+/**
+ * Frees a cloud. NULL is taken. No other thread may be using it.
+ */
+void ko_cloud_free(struct ko_cloud *cloud);
+
+/**
+ * Tells the dimension of the cloud, 2 or 3. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_cloud_get_dim(const struct ko_cloud *cloud, uint32_t *dim);
+
+/**
+ * Tells how many points the cloud has. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_cloud_get_size(const struct ko_cloud *cloud, size_t *n_points);
+
+/**
+ * Copies the cloud to `points` [dim * n_points] and `normals` [dim * n_points], of length 1; either may be NULL.
+ *
+ * `n_points` must be that of `ko_cloud_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+ */
+int32_t ko_cloud_copy(const struct ko_cloud *cloud, size_t n_points, double *points, double *normals);
+
+/**
+ * Gives each point a weight, `weights` [n_points]: how much a fit trusts it, compared with the others. All count alike without.
+ *
+ * A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is copied.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a weight that is negative, not a number or above 1e100, naming the first, and where all are 0;
+ * KO_ERR_OUT_OF_MEMORY. After an error the weights are as they were. No other thread may be using the cloud. Cost: a copy.
+ */
+int32_t ko_cloud_set_weights(struct ko_cloud *cloud,
+                             const double *weights,
+                             size_t n_points);
+
+/**
+ * Copies where on its mesh each point was taken: index of the triangle, in the plane the segment, into
+ * `triangles` [n_points], coordinates into `barycentric` [dim * n_points].
+ *
+ * Either may be NULL. `n_points` must be that of `ko_cloud_get_size`. Errors: KO_ERR_INVALID_ARGUMENT, also for a cloud that was not
+ * sampled from a mesh. Threads: any. Cost: a copy.
+ */
+int32_t ko_cloud_copy_origins(const struct ko_cloud *cloud,
+                              size_t n_points,
+                              uint32_t *triangles,
+                              double *barycentric);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_normal_options_init(struct ko_normal_options *options, size_t struct_size);
+
+/**
+ * Makes a cloud from `points` [dim * n_points] that come without normals: a plane through each point's neighbours (Hoppe et al. 1992), and
+ * signs that agree, the most sure ones first.
+ *
+ * `dim` is 2 or 3. `options` NULL: the defaults. All points stay, in their order. Closed parts face outward; a part inside an odd number of
+ * others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of their largest
+ * coordinate. Sides of a sheet nearer to each other than the points of one side are not told apart.
+ * `*cloud` is the caller's to free. `flags` [n_points] gets an or of KO_POINT_ bits for each point, 0 for most, and `report`, of
+ * `report_size` bytes (sizeof *report), what was found; either may be NULL. To leave points out of fits, give them weight 0 by
+ * `ko_cloud_set_weights`. The array is copied. The same points give the same bits.
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer than dim + 1 points or more than 2^30 / dim, for one that is not finite, naming the first, and for
+ * an option out of its range; KO_ERR_DEGENERATE for points at fewer than dim + 1 places and for points of space all on a line;
+ * KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY with the bytes that it would take;
+ * KO_ERR_CANCELLED.
+ * Threads: any; `progress` is called on the caller's. Cost: O(n_points log n_points), some 20 microseconds a point of space on one
+ * thread. Memory: at most 1000 bytes a point and 32 a neighbour.
+ */
+int32_t ko_cloud_estimate_normals(uint32_t dim,
+                                  const double *points,
+                                  size_t n_points,
+                                  const struct ko_normal_options *options,
+                                  struct ko_cloud **cloud,
+                                  uint8_t *flags,
+                                  size_t report_size,
+                                  struct ko_normal_report *report);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
+
+/**
+ * Fits a field to `cloud`: the minimum of the energy (10) of Dunn et al. 2023 over cubic B-splines on a box around the cloud, with the
+ * smoothness integrated exactly, distances held away from the surface, and points that the surface misses weighted more.
+ *
+ * `options` NULL: the defaults. phi > 0 on the feasible side; |phi| is close to the distance near the surface and smooth everywhere.
+ * `*field` is the caller's to free; it does not refer to the cloud.
+ * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
+ * equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
+ * bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
+ * Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 70 ns a point and 40 ns a control point on one
+ * thread; a few hundred are usual. Memory: about 600 bytes a point and 200 a control point.
+ */
+int32_t ko_field_fit(const struct ko_cloud *cloud,
+                     const struct ko_fit_options *options,
+                     struct ko_field **field);
+
+/**
+ * Fits a field to `cloud` on the box of `start`, from its control points on: for a shape that moves a little from fit to fit, which then
+ * takes few iterations.
+ *
+ * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
+ * `start` nor the cloud, and `start` stays as it is.
+ * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension and for a point outside the box, naming the
+ * first. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
+ */
+int32_t ko_field_refit(const struct ko_field *start,
+                       const struct ko_cloud *cloud,
+                       const struct ko_fit_options *options,
+                       struct ko_field **field);
+
+/**
+ * Makes a field (5) of given control points: one that another library fitted, say, or an optimiser moved.
+ *
+ * `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max` [dim],
+ * an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last axis
+ * contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible` is
+ * KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is 0.
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer control points along an axis, for another number of them in all, for one that is not finite,
+ * naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a
+ * copy.
+ */
+int32_t ko_field_from_control_points(uint32_t dim,
+                                     const uint32_t *counts,
+                                     const double *box_min,
+                                     const double *box_max,
+                                     int32_t feasible,
+                                     double diagonal,
+                                     const double *control_points,
+                                     size_t n_control_points,
+                                     struct ko_field **field);
+
+/**
+ * Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of length.
+ *
+ * `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
+ * KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+ */
+int32_t ko_field_get_control_points(const struct ko_field *field,
+                                    size_t n_control_points,
+                                    double *control_points);
+
+/**
+ * Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],
+ * `hessians` by rows of the upper triangle, in space [6 * n_points], xx xy xz yy yz zz, in the plane [3 * n_points], xx xy yy.
+ *
+ * Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a distance:
+ * with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary cell's
+ * polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
+ *     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
+ * sigma is the sign of m: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| grows on the way out, and the
+ * gradient tends to length 1. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box), m = 0 and
+ * sigma = tanh(P / longest cell edge), steep where P crosses 0. `ko_field_outside_box` tells which points are outside.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
+ * unspecified then.
+ * Threads: any number at once. Cost: about 50 ns a point with gradient on one thread in cache; no allocation, no lock.
+ */
+int32_t ko_field_eval(const struct ko_field *field,
+                      const double *points,
+                      size_t n_points,
+                      double *values,
+                      double *gradients,
+                      double *hessians);
+
+/**
+ * `ko_field_eval` with the batch spread over `n_threads` threads (0: all cores, 1: none but the caller's); the same bits.
+ *
+ * Errors: those of `ko_field_eval`; KO_ERR_INVALID_ARGUMENT for more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads
+ * that do not start. A batch of at most 4096 points stays on the caller's thread.
+ * Threads: any number at once. Cost: starts the threads and joins them, which takes some 100 microseconds and memory: for batches of many
+ * thousand points.
+ */
+int32_t ko_field_eval_parallel(const struct ko_field *field,
+                               const double *points,
+                               size_t n_points,
+                               double *values,
+                               double *gradients,
+                               double *hessians,
+                               uint32_t n_threads);
+
+/**
+ * Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim] plus
+ * i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
+ *
+ * `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last index
+ * fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads` threads
+ * (0: all cores, 1: none but the caller's), with the same bits on any number.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a number of steps out of range, a count of 0, more points than memory can count, an origin or step
+ * that is not finite, a corner of the lattice beyond 1e150, more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads that do not start.
+ * Nothing is written then.
+ * Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096 points.
+ */
+int32_t ko_field_eval_lattice(const struct ko_field *field,
+                              const double *origin,
+                              const double *steps,
+                              const size_t *counts,
+                              uint32_t n_steps,
+                              double *values,
+                              double *gradients,
+                              uint32_t n_threads);
+
+/**
+ * Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
+ * No allocation, no lock.
+ */
+int32_t ko_field_outside_box(const struct ko_field *field,
+                             const double *points,
+                             size_t n_points,
+                             uint8_t *outside);
+
+/**
+ * Fills `report` with what the field is and what its fit did. `struct_size` is sizeof *report.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: none.
+ */
+int32_t ko_field_get_report(const struct ko_field *field, size_t struct_size, struct ko_fit_report *report);
+
+/**
+ * Writes the field to the file `path`: little-endian, with version and checksum, the same on every machine.
+ *
+ * A file that stood there is replaced whole or, after an error, left as it was.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path, KO_ERR_IO. Threads: any. Cost: one pass.
+ */
+int32_t ko_field_save(const struct ko_field *field, const char *path);
+
+/**
+ * Reads a field that `ko_field_save` wrote; it evaluates to the same bits. `*field` is the caller's to free.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or an empty path; KO_ERR_IO; KO_ERR_FORMAT for a file that is no field, of another version, cut
+ * short or altered; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: one pass.
+ */
+int32_t ko_field_load(const char *path,
+                      struct ko_field **field);
+
+/**
+ * Frees a field. NULL is taken. No other thread may be using it.
+ */
+void ko_field_free(struct ko_field *field);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_level_set_options_init(struct ko_level_set_options *options, size_t struct_size);
+
+/**
+ * Makes a mesh of the level set phi = `level` within the field's box: triangles in space, curves in the plane.
+ *
+ * `level` is in the cloud's unit of length: 0 gives the fitted shape, others a shape about that far from it, on the feasible side where
+ * they are above 0. `options` NULL: the defaults.
+ * Normals point out of the solid, and a solid lies on the left of curves, wherever the feasible side is. Vertices lie on the level set
+ * but for rounding; between them it is missed by about an eighth of the square of an edge times its curvature, and what is smaller than an
+ * edge may be missed or joined. The mesh is watertight wherever the level set stays within the box: marching simplices (Allgower and
+ * Gnutzmann 1987) on the cells cut into `subdivisions`, vertices by Newton's method, then short edges collapsed (Dey et al. 1999).
+ * `*mesh` is the caller's to free. The same field and options give the same bits.
+ * Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
+ * close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a level
+ * that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
+ * KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_CANCELLED.
+ * Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex of
+ * the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
+ */
+int32_t ko_field_level_set(const struct ko_field *field,
+                           double level,
+                           const struct ko_level_set_options *options,
+                           struct ko_mesh **mesh);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* KEEPOUT_H */

@@ -1,0 +1,80 @@
+/* Where C puts the fields of the structs of keepout.h: for layout.f90 to compare. Each function fills `offsets` and returns the size. */
+
+#include <keepout.h>
+
+size_t layout_mesh_report(size_t *offsets);
+size_t layout_fit_options(size_t *offsets);
+size_t layout_fit_report(size_t *offsets);
+
+#define PUT(field) *offsets++ = offsetof(STRUCT, field)
+
+#define STRUCT ko_mesh_report
+size_t layout_mesh_report(size_t *offsets) {
+    PUT(struct_size);
+    PUT(n_vertices);
+    PUT(n_triangles);
+    PUT(n_components);
+    PUT(n_boundary_edges);
+    PUT(n_non_manifold_edges);
+    PUT(n_non_manifold_vertices);
+    PUT(n_degenerate);
+    PUT(n_duplicate);
+    PUT(n_unreferenced);
+    PUT(closed);
+    PUT(oriented);
+    PUT(manifold);
+    PUT(inside_out);
+    PUT(bounds_min);
+    PUT(bounds_max);
+    PUT(area);
+    PUT(volume);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_fit_options
+size_t layout_fit_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(control_points);
+    PUT(reweightings);
+    PUT(margin);
+    PUT(lambda_normal);
+    PUT(lambda_smooth);
+    PUT(distance_weight);
+    PUT(tolerance);
+    PUT(feasible);
+    PUT(max_iterations);
+    PUT(memory_limit);
+    PUT(n_threads);
+    PUT(reserved);
+    PUT(progress);
+    PUT(progress_data);
+    PUT(reweighting);
+    PUT(reserved_2);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_fit_report
+size_t layout_fit_report(size_t *offsets) {
+    PUT(struct_size);
+    PUT(dim);
+    PUT(feasible);
+    PUT(control_points);
+    PUT(iterations);
+    PUT(n_unknowns);
+    PUT(n_points);
+    PUT(bytes);
+    PUT(box_min);
+    PUT(box_max);
+    PUT(diagonal);
+    PUT(residual);
+    PUT(seconds_assembly);
+    PUT(seconds_solve);
+    PUT(seconds_check);
+    PUT(rms);
+    PUT(max);
+    PUT(mean_gradient);
+    PUT(n_outliers);
+    return sizeof(STRUCT);
+}

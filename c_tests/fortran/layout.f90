@@ -1,0 +1,119 @@
+! The structs of keepout.f90 lie in memory as C's do: each field at its offset (layout.c), and no more behind the last.
+
+module layout
+  use keepout
+  use check
+  implicit none
+
+  private
+  public :: layouts_agree
+
+  interface
+    function layout_mesh_report(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_fit_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_fit_report(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+  end interface
+
+contains
+
+  subroutine layouts_agree()
+    call check_mesh_report()
+    call check_fit_options()
+    call check_fit_report()
+  end subroutine
+
+  ! Bytes from `start` to `field`.
+  integer(c_size_t) function offset(start, field)
+    type(c_ptr), intent(in) :: start, field
+    offset = int(transfer(field, 0_c_intptr_t) - transfer(start, 0_c_intptr_t), c_size_t)
+  end function
+
+  subroutine check_mesh_report()
+    type(ko_mesh_report), target :: x
+    integer(c_size_t) :: right(18), found(18)
+    call equal(c_sizeof(x), layout_mesh_report(right), "bytes of ko_mesh_report")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%n_vertices))
+    found(3) = offset(c_loc(x), c_loc(x%n_triangles))
+    found(4) = offset(c_loc(x), c_loc(x%n_components))
+    found(5) = offset(c_loc(x), c_loc(x%n_boundary_edges))
+    found(6) = offset(c_loc(x), c_loc(x%n_non_manifold_edges))
+    found(7) = offset(c_loc(x), c_loc(x%n_non_manifold_vertices))
+    found(8) = offset(c_loc(x), c_loc(x%n_degenerate))
+    found(9) = offset(c_loc(x), c_loc(x%n_duplicate))
+    found(10) = offset(c_loc(x), c_loc(x%n_unreferenced))
+    found(11) = offset(c_loc(x), c_loc(x%closed))
+    found(12) = offset(c_loc(x), c_loc(x%oriented))
+    found(13) = offset(c_loc(x), c_loc(x%manifold))
+    found(14) = offset(c_loc(x), c_loc(x%inside_out))
+    found(15) = offset(c_loc(x), c_loc(x%bounds_min))
+    found(16) = offset(c_loc(x), c_loc(x%bounds_max))
+    found(17) = offset(c_loc(x), c_loc(x%area))
+    found(18) = offset(c_loc(x), c_loc(x%volume))
+    call holds(all(found == right), "offsets in ko_mesh_report")
+  end subroutine
+
+  subroutine check_fit_options()
+    type(ko_fit_options), target :: x
+    integer(c_size_t) :: right(17), found(17)
+    call equal(c_sizeof(x), layout_fit_options(right), "bytes of ko_fit_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%control_points))
+    found(3) = offset(c_loc(x), c_loc(x%reweightings))
+    found(4) = offset(c_loc(x), c_loc(x%margin))
+    found(5) = offset(c_loc(x), c_loc(x%lambda_normal))
+    found(6) = offset(c_loc(x), c_loc(x%lambda_smooth))
+    found(7) = offset(c_loc(x), c_loc(x%distance_weight))
+    found(8) = offset(c_loc(x), c_loc(x%tolerance))
+    found(9) = offset(c_loc(x), c_loc(x%feasible))
+    found(10) = offset(c_loc(x), c_loc(x%max_iterations))
+    found(11) = offset(c_loc(x), c_loc(x%memory_limit))
+    found(12) = offset(c_loc(x), c_loc(x%n_threads))
+    found(13) = offset(c_loc(x), c_loc(x%reserved))
+    found(14) = offset(c_loc(x), c_loc(x%progress))
+    found(15) = offset(c_loc(x), c_loc(x%progress_data))
+    found(16) = offset(c_loc(x), c_loc(x%reweighting))
+    found(17) = offset(c_loc(x), c_loc(x%reserved_2))
+    call holds(all(found == right), "offsets in ko_fit_options")
+  end subroutine
+
+  subroutine check_fit_report()
+    type(ko_fit_report), target :: x
+    integer(c_size_t) :: right(19), found(19)
+    call equal(c_sizeof(x), layout_fit_report(right), "bytes of ko_fit_report")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%dim))
+    found(3) = offset(c_loc(x), c_loc(x%feasible))
+    found(4) = offset(c_loc(x), c_loc(x%control_points))
+    found(5) = offset(c_loc(x), c_loc(x%iterations))
+    found(6) = offset(c_loc(x), c_loc(x%n_unknowns))
+    found(7) = offset(c_loc(x), c_loc(x%n_points))
+    found(8) = offset(c_loc(x), c_loc(x%bytes))
+    found(9) = offset(c_loc(x), c_loc(x%box_min))
+    found(10) = offset(c_loc(x), c_loc(x%box_max))
+    found(11) = offset(c_loc(x), c_loc(x%diagonal))
+    found(12) = offset(c_loc(x), c_loc(x%residual))
+    found(13) = offset(c_loc(x), c_loc(x%seconds_assembly))
+    found(14) = offset(c_loc(x), c_loc(x%seconds_solve))
+    found(15) = offset(c_loc(x), c_loc(x%seconds_check))
+    found(16) = offset(c_loc(x), c_loc(x%rms))
+    found(17) = offset(c_loc(x), c_loc(x%max))
+    found(18) = offset(c_loc(x), c_loc(x%mean_gradient))
+    found(19) = offset(c_loc(x), c_loc(x%n_outliers))
+    call holds(all(found == right), "offsets in ko_fit_report")
+  end subroutine
+end module

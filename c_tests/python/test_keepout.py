@@ -1,0 +1,319 @@
+"""The Python module: every call, in space and in the plane, its errors, and who owns what."""
+
+import gc
+import pathlib
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+
+import keepout
+from keepout import Cloud, Error, Field, FitOptions, Mesh, Status
+
+CUBE = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
+CUBE_TRIANGLES = np.array(
+    [0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6]
+).reshape(12, 3)
+# The square [-1, 1]^2 around the square hole [-0.5, 0.5]^2.
+FRAME = np.array([[-2, -2], [2, -2], [2, 2], [-2, 2], [-1, -1], [-1, 1], [1, 1], [1, -1]]) / 2
+
+
+def cube() -> Mesh:
+    return Mesh.from_triangles(CUBE, CUBE_TRIANGLES)
+
+
+def frame() -> Mesh:
+    return Mesh.from_polylines(FRAME, [0, 4])
+
+
+def small_fit(n: int = 8, **settings: object) -> FitOptions:
+    return FitOptions(control_points=n, n_threads=1, **settings)
+
+
+class TestCase(unittest.TestCase):
+    def fails(self, status: Status, words: str):
+        """The block raises an Error with this status and these words."""
+        test = self
+
+        class Fails:
+            def __enter__(self):
+                return self
+
+            def __exit__(self, kind, error, trace):
+                test.assertIsInstance(error, Error)
+                test.assertEqual(error.status, status)
+                test.assertIn(words, str(error))
+                return True
+
+        return Fails()
+
+
+class Geometry(TestCase):
+    def test_versions_are_told(self):
+        self.assertRegex(keepout.version(), r"^\d+\.\d+\.\d+$")
+        self.assertEqual(keepout.abi_version(), keepout.ABI_VERSION)
+        self.assertTrue(keepout.capabilities() & keepout.Capability.SPACE)
+        self.assertEqual(keepout.status_string(Status.IO), "KO_ERR_IO")
+
+    def test_status_names_are_those_of_c(self):
+        for status in Status:
+            name = "KO_OK" if status == 0 else f"KO_ERR_{status.name}"
+            self.assertEqual(keepout.status_string(status), name)
+
+    def test_mesh(self):
+        mesh = cube()
+        self.assertEqual((mesh.dim, mesh.n_vertices, mesh.n_triangles), (3, 8, 12))
+        np.testing.assert_array_equal(mesh.vertices(), CUBE)
+        np.testing.assert_array_equal(mesh.triangles(), CUBE_TRIANGLES)
+        mesh.flip()
+        self.assertEqual(mesh.report().inside_out, 1)
+        mesh.flip()
+        self.assertAlmostEqual(mesh.report().volume, 8.0)
+        self.assertIn("bounds_max=(1.0, 1.0, 1.0)", repr(mesh.report()))
+        np.testing.assert_allclose(mesh.signed_distance([[2, 0, 0], [0, 0, 0]]), [1, -1])
+
+    def test_cloud(self):
+        cloud = cube().sample(300, seed=1)
+        self.assertEqual((cloud.dim, len(cloud)), (3, 300))
+        points, normals = cloud.points(), cloud.normals()
+        np.testing.assert_allclose(np.einsum("ij,ij->i", points, normals), 1)
+        triangles, barycentric = cloud.origins()
+        corners = CUBE[CUBE_TRIANGLES[triangles]]
+        np.testing.assert_allclose(np.einsum("ij,ijk->ik", barycentric, corners), points, atol=1e-15)
+        again = Cloud.from_points(points, 5 * normals)
+        np.testing.assert_allclose(again.normals(), normals)
+        with self.fails(Status.INVALID_ARGUMENT, "made from points"):
+            again.origins()
+
+    def test_plane(self):
+        mesh = frame()
+        self.assertEqual((mesh.dim, mesh.n_vertices, mesh.n_triangles), (2, 8, 8))
+        np.testing.assert_array_equal(mesh.vertices(), FRAME)
+        np.testing.assert_allclose(mesh.signed_distance([[0, 0], [0.75, 0]]), [0.5, -0.25])
+        self.assertEqual(Mesh.from_polylines([[0, 0], [1, 0]], kind=keepout.Polylines.OPEN).n_triangles, 1)
+        cloud = mesh.sample(400, seed=1)
+        self.assertEqual((cloud.dim, cloud.points().shape, cloud.normals().shape), (2, (400, 2), (400, 2)))
+        self.assertEqual(cloud.origins().barycentric.shape, (400, 2))
+        self.assertEqual(Cloud.from_points(cloud.points(), cloud.normals()).dim, 2)
+
+
+class Fields(TestCase):
+    def check_derivatives(self, field: Field, half: float) -> None:
+        """Central differences against gradients and Hessians, inside the box and out of it."""
+        points = np.random.default_rng(1).uniform(-half, half, (50, field.dim))
+        values, gradients, hessians = field.eval(points, derivatives=2)
+        matrices = keepout.unpack_hessians(hessians)
+        np.testing.assert_array_equal(field(points), values)
+        step = 1e-5
+        for i, axis in enumerate(step * np.eye(field.dim)):
+            ahead, behind = field.eval(points + axis), field.eval(points - axis)
+            np.testing.assert_allclose((ahead[0] - behind[0]) / (2 * step), gradients[:, i], atol=1e-7)
+            np.testing.assert_allclose((ahead[1] - behind[1]) / (2 * step), matrices[:, i], atol=2e-2)
+
+    def test_space(self):
+        field = Field.fit(cube().sample(500, seed=1), small_fit())
+        report = field.report()
+        self.assertEqual((field.dim, report.n_unknowns, tuple(report.control_points)), (3, 512, (8, 8, 8)))
+        points = [[0, 0, 0], [1.1, 0.2, 0], [5, 5, 5]]
+        self.assertEqual(list(np.sign(field(points))), [-1, 1, 1])
+        self.assertEqual(list(field.outside_box(points)), [False, False, True])
+        self.check_derivatives(field, 1.5)
+
+    def test_plane(self):
+        field = Field.fit(frame().sample(400, seed=1), small_fit(16))
+        self.assertEqual((field.dim, field.report().n_unknowns), (2, 256))
+        points = [[0, 0], [0.75, 0.1], [5, 5]]
+        self.assertEqual(list(np.sign(field(points))), [1, -1, 1])
+        self.assertEqual(list(field.outside_box(points)), [False, False, True])
+        self.check_derivatives(field, 1.5)
+
+    def test_one_point_none_and_what_is_not_contiguous(self):
+        field = Field.fit(cube().sample(300), small_fit(6))
+        self.assertEqual(field([0, 0, 0]).shape, (1,))
+        self.assertEqual([array.shape for array in field.eval(np.empty((0, 3)), 2)], [(0,), (0, 3), (0, 6)])
+        points = np.random.default_rng(2).uniform(-1, 1, (20, 3))
+        np.testing.assert_array_equal(field(np.asfortranarray(points)), field(points))
+        np.testing.assert_array_equal(field(np.repeat(points, 2, axis=0)[::2]), field(points))
+        np.testing.assert_array_equal(field(points.astype(">f8")), field(points))
+
+    def test_caller_s_arrays_are_written(self):
+        field = Field.fit(cube().sample(300), small_fit(6))
+        points = np.random.default_rng(3).uniform(-1, 1, (6000, 3))
+        right = field.eval(points, derivatives=2)
+        arrays = [np.empty_like(array) for array in right]
+        field.eval_into(points, *arrays, n_threads=2)
+        for array, expected in zip(arrays, right):
+            np.testing.assert_array_equal(array, expected)
+        gradients = np.empty((6000, 3))
+        field.eval_into(points, gradients=gradients)
+        np.testing.assert_array_equal(gradients, right[1])
+
+    def test_files(self):
+        field = Field.fit(frame().sample(300), small_fit())
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "fält.kof"
+            field.save(path)
+            loaded = Field.load(path)
+        self.assertEqual(loaded.dim, 2)
+        np.testing.assert_array_equal(loaded(FRAME), field(FRAME))
+
+    def test_sides(self):
+        cloud = cube().sample(300)
+        inside = Field.fit(cloud, small_fit(feasible=keepout.Feasible.INSIDE))
+        self.assertGreater(inside([0, 0, 0])[0], 0)
+
+    def test_weights_and_robust_fits(self):
+        cloud = cube().sample(400, seed=1)
+        points, normals, weights = cloud.points(), cloud.normals(), np.ones(400)
+        points[:5] *= 0.5
+        weights[:5] = 0
+        cloud = Cloud.from_points(points, normals)
+        robust = Field.fit(cloud, small_fit(reweighting=keepout.Reweight.ROBUST))
+        self.assertGreaterEqual(robust.report().n_outliers, 5)
+        cloud.set_weights(weights)
+        self.assertEqual(Field.fit(cloud, small_fit()).report().n_points, 395)
+
+    def test_many_threads_may_evaluate(self):
+        field = Field.fit(cube().sample(300), small_fit(6))
+        points = np.random.default_rng(4).uniform(-1, 1, (20000, 3))
+        right = field(points)
+        found = [np.empty(0)] * 4
+
+        def evaluate(i: int) -> None:
+            found[i] = field(points)
+
+        threads = [threading.Thread(target=evaluate, args=(i,)) for i in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for values in found:
+            np.testing.assert_array_equal(values, right)
+
+
+class ProgressIsHeard(TestCase):
+    def test_progress(self):
+        heard = []
+        Field.fit(cube().sample(300), small_fit(), lambda fraction, stage: heard.append((fraction, stage)))
+        fractions = [fraction for fraction, _ in heard]
+        self.assertEqual((fractions, fractions[-1]), (sorted(fractions), 1.0))
+        self.assertIn("solve", [stage for _, stage in heard])
+
+    def test_false_cancels(self):
+        with self.fails(Status.CANCELLED, "cancelled"):
+            Field.fit(cube().sample(300), small_fit(), lambda fraction, stage: fraction < 0.5)
+
+    def test_exceptions_come_out(self):
+        for when in (0.0, 0.5, 1.0):
+
+            def stop(fraction: float, stage: str) -> None:
+                if fraction >= when:
+                    raise KeyboardInterrupt(stage)
+
+            with self.assertRaises(KeyboardInterrupt):
+                Field.fit(cube().sample(300), small_fit(), stop)
+
+
+class Errors(TestCase):
+    def test_files(self):
+        with self.fails(Status.IO, "no-such-file.obj"):
+            Mesh.read("no-such-file.obj")
+        with self.fails(Status.IO, "no-such-file.kof"):
+            Field.load("no-such-file.kof")
+        with self.fails(Status.INVALID_ARGUMENT, "zero byte"):
+            Mesh.read("a\0b.obj")
+
+    def test_shapes(self):
+        with self.fails(Status.INVALID_ARGUMENT, "vertices has the shape (7, 2); [n, 3] is needed"):
+            Mesh.from_triangles(np.zeros((7, 2)), CUBE_TRIANGLES)
+        with self.fails(Status.INVALID_ARGUMENT, "4 points come with 3 normals"):
+            Cloud.from_points(np.ones((4, 3)), np.ones((3, 3)))
+        with self.fails(Status.INVALID_ARGUMENT, "points has the shape (3,)"):
+            Cloud.from_points(np.ones(3), np.ones(3))
+        with self.fails(Status.INVALID_ARGUMENT, "dim is 4"):
+            Cloud.from_points(np.ones((5, 4)), np.ones((5, 4)))
+        cloud = cube().sample(300)
+        with self.fails(Status.INVALID_ARGUMENT, "2 weights"):
+            cloud.set_weights([1, 1])
+        with self.fails(Status.INVALID_ARGUMENT, "[n] is needed"):
+            cloud.set_weights(np.ones((300, 1)))
+
+    def test_indices(self):
+        for indices in (CUBE_TRIANGLES - 1, CUBE_TRIANGLES.astype(float), CUBE_TRIANGLES + 2**32):
+            with self.fails(Status.INVALID_ARGUMENT, "indices from 0 are needed"):
+                Mesh.from_triangles(CUBE, indices)
+        with self.fails(Status.INVALID_ARGUMENT, "triangle 2"):
+            Mesh.from_triangles(CUBE[:7], CUBE_TRIANGLES)
+        with self.fails(Status.INVALID_ARGUMENT, "loop_starts holds int"):
+            Mesh.from_polylines(FRAME, [-4, 0])
+        with self.fails(Status.INVALID_ARGUMENT, "start"):
+            Mesh.from_polylines(FRAME, [4, 0])
+
+    def test_counts(self):
+        for n in (-1, 0):
+            with self.fails(Status.INVALID_ARGUMENT, ""):
+                cube().sample(n)
+        with self.fails(Status.INVALID_ARGUMENT, "n_threads is -1"):
+            FitOptions(n_threads=-1)
+        with self.fails(Status.INVALID_ARGUMENT, "control_points is -8"):
+            FitOptions(control_points=(8, -8))
+        self.assertEqual(tuple(FitOptions(control_points=(8, 9)).control_points), (8, 9, 0))
+
+    def test_options(self):
+        with self.assertRaisesRegex(AttributeError, "there is no option marign; there are .*margin"):
+            FitOptions(marign=0.3)
+        with self.fails(Status.INVALID_ARGUMENT, "margin"):
+            Field.fit(cube().sample(300), FitOptions(margin=-1))
+
+    def test_evaluation(self):
+        field = Field.fit(cube().sample(300), small_fit(6))
+        points = np.zeros((2, 3))
+        with self.fails(Status.INVALID_ARGUMENT, "points has the shape (2, 2); [n, 3] is needed"):
+            field(points[:, :2])
+        with self.fails(Status.INVALID_ARGUMENT, "values is float64 (1,); an array of float64 (2,)"):
+            field.eval_into(points, np.empty(1))
+        with self.fails(Status.INVALID_ARGUMENT, "gradients is float32"):
+            field.eval_into(points, gradients=np.empty((2, 3), dtype=np.float32))
+        with self.fails(Status.INVALID_ARGUMENT, "gradients must be C-contiguous"):
+            field.eval_into(points, gradients=np.empty((2, 3), order="F"))
+        with self.fails(Status.INVALID_ARGUMENT, "values is list"):
+            field.eval_into(points, [0.0, 0.0])
+        with self.fails(Status.INVALID_ARGUMENT, "derivatives is 3"):
+            field.eval(points, derivatives=3)
+        points[1, 2] = np.nan
+        with self.fails(Status.INVALID_ARGUMENT, "point 1 "):
+            field(points)
+
+    def test_types_are_not_mixed_up(self):
+        with self.assertRaises(Exception) as caught:
+            Field.fit(cube())
+        self.assertIn("ko_cloud", str(caught.exception))
+
+
+class Ownership(TestCase):
+    def test_closed_handles_are_refused(self):
+        with cube() as mesh:
+            cloud = mesh.sample(300)
+        mesh.close()
+        with self.fails(Status.INVALID_ARGUMENT, "mesh is NULL"):
+            mesh.flip()
+        field = Field.fit(cloud, small_fit(6))
+        cloud.close()
+        with self.fails(Status.INVALID_ARGUMENT, "cloud is NULL"):
+            len(cloud)
+        field.close()
+        with self.fails(Status.INVALID_ARGUMENT, "field is NULL"):
+            field([0, 0, 0])
+
+    def test_the_last_reference_frees(self):
+        mesh = cube()
+        finalizer = mesh._finalizer
+        self.assertTrue(finalizer.alive)
+        del mesh
+        gc.collect()
+        self.assertFalse(finalizer.alive)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,685 @@
+# SPDX-License-Identifier: Apache-2.0 OR MIT
+"""Keepout for Python: ctypes and NumPy over libkeepout, without a build step. keepout.h documents what the calls promise.
+
+    field = keepout.Field.fit(keepout.Mesh.read("part.stl").sample(25000, seed=1))
+    values, gradients = field.eval(points, derivatives=1)
+
+Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous float64 is handed over as it is, all else is
+copied first; eval_into writes to arrays of the caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
+Handles. Mesh, Cloud and Field free what they hold with the last reference to them, at the end of a `with` block, or by close().
+Errors. A call that fails raises Error, with the library's message and its status.
+Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
+The library is the file $KEEPOUT_LIBRARY, else one beside this file or in a build tree above it, else where the system finds it.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import enum
+import operator
+import os
+import pathlib
+import weakref
+from ctypes import POINTER, c_char_p, c_double, c_int32, c_size_t, c_uint8, c_uint32, c_uint64, c_void_p
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+Progress = Callable[[float, str], Any]
+"""Told of the fraction done, in [0, 1], and the stage. False cancels the call, any other answer goes on; an exception comes out of it."""
+
+ABI_VERSION = 0
+
+
+class Status(enum.IntEnum):
+    """What calls of C return: 0, errors below it, successes with a remark above it."""
+
+    OK = 0
+    INVALID_ARGUMENT = -1
+    OUT_OF_MEMORY = -2
+    IO = -3
+    FORMAT = -4
+    UNSUPPORTED = -5
+    DEGENERATE = -6
+    NOT_CONVERGED = -7
+    CANCELLED = -8
+    INTERNAL = -9
+
+
+class Capability(enum.IntFlag):
+    """Bits of capabilities()."""
+
+    SPACE = 1
+    GZIP = 2
+
+
+class Feasible(enum.IntEnum):
+    """Where phi > 0."""
+
+    OUTSIDE = 0
+    INSIDE = 1
+
+
+class Reweight(enum.IntEnum):
+    """What the rounds of reweighting are for."""
+
+    LARGEST = 0
+    ROBUST = 1
+
+
+class Polylines(enum.IntEnum):
+    """Whether polylines go back to their first points."""
+
+    OPEN = 0
+    CLOSED = 1
+
+
+class Error(RuntimeError):
+    """A call that failed: its message says what was wrong, where, and what would be right; `status` is one of Status."""
+
+    def __init__(self, status: int, message: str) -> None:
+        super().__init__(message)
+        self.status = Status(status)
+
+
+ko_progress = ctypes.CFUNCTYPE(c_int32, c_double, c_char_p, c_void_p)
+
+
+class ko_mesh(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_cloud(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_field(ctypes.Structure):
+    """Opaque."""
+
+
+class _Struct(ctypes.Structure):
+    """A struct of C whose fields show in its repr, arrays as tuples."""
+
+    def __repr__(self) -> str:
+        def show(name: str) -> str:
+            value = getattr(self, name)
+            return f"{name}={tuple(value) if isinstance(value, ctypes.Array) else value}"
+
+        return f"{type(self).__name__}({', '.join(show(field[0]) for field in self._fields_)})"
+
+
+class ko_mesh_report(_Struct):
+    """What can be said of a mesh."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("n_vertices", c_uint64),
+        ("n_triangles", c_uint64),
+        ("n_components", c_uint64),
+        ("n_boundary_edges", c_uint64),
+        ("n_non_manifold_edges", c_uint64),
+        ("n_non_manifold_vertices", c_uint64),
+        ("n_degenerate", c_uint64),
+        ("n_duplicate", c_uint64),
+        ("n_unreferenced", c_uint64),
+        ("closed", c_int32),
+        ("oriented", c_int32),
+        ("manifold", c_int32),
+        ("inside_out", c_int32),
+        ("bounds_min", c_double * 3),
+        ("bounds_max", c_double * 3),
+        ("area", c_double),
+        ("volume", c_double),
+    ]
+
+
+class ko_fit_options(_Struct):
+    """Options of Field.fit; see FitOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("control_points", c_uint32 * 3),
+        ("reweightings", c_uint32),
+        ("margin", c_double),
+        ("lambda_normal", c_double),
+        ("lambda_smooth", c_double),
+        ("distance_weight", c_double),
+        ("tolerance", c_double),
+        ("feasible", c_int32),
+        ("max_iterations", c_uint32),
+        ("memory_limit", c_uint64),
+        ("n_threads", c_uint32),
+        ("reserved", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+        ("reweighting", c_int32),
+        ("reserved_2", c_uint32),
+    ]
+
+
+class ko_fit_report(_Struct):
+    """What a field is and what its fit did."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("dim", c_uint32),
+        ("feasible", c_int32),
+        ("control_points", c_uint32 * 3),
+        ("iterations", c_uint32),
+        ("n_unknowns", c_uint64),
+        ("n_points", c_uint64),
+        ("bytes", c_uint64),
+        ("box_min", c_double * 3),
+        ("box_max", c_double * 3),
+        ("diagonal", c_double),
+        ("residual", c_double),
+        ("seconds_assembly", c_double),
+        ("seconds_solve", c_double),
+        ("seconds_check", c_double),
+        ("rms", c_double),
+        ("max", c_double),
+        ("mean_gradient", c_double),
+        ("n_outliers", c_uint64),
+    ]
+
+
+# ---- The library
+
+
+def _candidates() -> list[str]:
+    """Where libkeepout may be, the likeliest first."""
+    here = pathlib.Path(__file__).resolve().parent
+    built = [here / "libkeepout.so"]
+    root = here.parent.parent
+    if (root / "include/keepout.h").exists():
+        built += [root / "build/lib/libkeepout.so", *sorted(root.glob("build/*/lib/libkeepout.so"))]
+        built += [root / "target/cmake/lib/libkeepout.so", root / "target/release/libkeepout.so"]
+    found = ctypes.util.find_library("keepout")
+    return [str(path) for path in built if path.exists()] + ([found] if found else [])
+
+
+def _load() -> ctypes.CDLL:
+    named = os.environ.get("KEEPOUT_LIBRARY")
+    paths = [named] if named else _candidates()
+    if not paths:
+        raise ImportError("there is no libkeepout here: build it, or set KEEPOUT_LIBRARY to its file")
+    return ctypes.CDLL(paths[0])
+
+
+_library = _load()
+_mesh = POINTER(ko_mesh)
+_cloud = POINTER(ko_cloud)
+_field = POINTER(ko_field)
+_doubles = POINTER(c_double)
+_indices = POINTER(c_uint32)
+
+
+def _bind(name: str, returns: Any, *takes: Any) -> Any:
+    function = getattr(_library, name)
+    function.restype = returns
+    function.argtypes = takes
+    return function
+
+
+_last_error = _bind("ko_last_error", c_char_p)
+_status_string = _bind("ko_status_string", c_char_p, c_int32)
+_version = _bind("ko_version", c_char_p)
+_abi_version = _bind("ko_abi_version", c_uint32)
+_capabilities = _bind("ko_capabilities", c_uint64)
+
+_mesh_read = _bind("ko_mesh_read", c_int32, c_char_p, POINTER(_mesh))
+_mesh_from_triangles = _bind("ko_mesh_from_triangles", c_int32, _doubles, c_size_t, _indices, c_size_t, POINTER(_mesh))
+_mesh_from_polylines = _bind(
+    "ko_mesh_from_polylines", c_int32, _doubles, c_size_t, POINTER(c_size_t), c_size_t, c_int32, POINTER(_mesh)
+)
+_mesh_free = _bind("ko_mesh_free", None, _mesh)
+_mesh_get_dim = _bind("ko_mesh_get_dim", c_int32, _mesh, POINTER(c_uint32))
+_mesh_get_size = _bind("ko_mesh_get_size", c_int32, _mesh, POINTER(c_size_t), POINTER(c_size_t))
+_mesh_copy = _bind("ko_mesh_copy", c_int32, _mesh, c_size_t, c_size_t, _doubles, _indices)
+_mesh_get_report = _bind("ko_mesh_get_report", c_int32, _mesh, c_size_t, POINTER(ko_mesh_report))
+_mesh_flip = _bind("ko_mesh_flip", c_int32, _mesh)
+_mesh_sample = _bind("ko_mesh_sample", c_int32, _mesh, c_size_t, c_uint64, POINTER(_cloud))
+_mesh_signed_distance = _bind("ko_mesh_signed_distance", c_int32, _mesh, _doubles, c_size_t, _doubles)
+
+_cloud_from_points = _bind("ko_cloud_from_points", c_int32, c_uint32, _doubles, _doubles, c_size_t, POINTER(_cloud))
+_cloud_free = _bind("ko_cloud_free", None, _cloud)
+_cloud_get_dim = _bind("ko_cloud_get_dim", c_int32, _cloud, POINTER(c_uint32))
+_cloud_get_size = _bind("ko_cloud_get_size", c_int32, _cloud, POINTER(c_size_t))
+_cloud_copy = _bind("ko_cloud_copy", c_int32, _cloud, c_size_t, _doubles, _doubles)
+_cloud_set_weights = _bind("ko_cloud_set_weights", c_int32, _cloud, _doubles, c_size_t)
+_cloud_copy_origins = _bind("ko_cloud_copy_origins", c_int32, _cloud, c_size_t, _indices, _doubles)
+
+_fit_options_init = _bind("ko_fit_options_init", c_int32, POINTER(ko_fit_options), c_size_t)
+_field_fit = _bind("ko_field_fit", c_int32, _cloud, POINTER(ko_fit_options), POINTER(_field))
+_field_eval = _bind("ko_field_eval", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles)
+_field_eval_parallel = _bind(
+    "ko_field_eval_parallel", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles, c_uint32
+)
+_field_outside_box = _bind("ko_field_outside_box", c_int32, _field, _doubles, c_size_t, POINTER(c_uint8))
+_field_get_report = _bind("ko_field_get_report", c_int32, _field, c_size_t, POINTER(ko_fit_report))
+_field_save = _bind("ko_field_save", c_int32, _field, c_char_p)
+_field_load = _bind("ko_field_load", c_int32, c_char_p, POINTER(_field))
+_field_free = _bind("ko_field_free", None, _field)
+
+
+def version() -> str:
+    """Version of the library, "major.minor.patch"."""
+    return _version().decode()
+
+
+def abi_version() -> int:
+    """Version of the ABI of the library; ABI_VERSION is that of this module."""
+    return _abi_version()
+
+
+def capabilities() -> Capability:
+    """What the library's build can do."""
+    return Capability(_capabilities())
+
+
+def status_string(status: int) -> str:
+    """Name of a status, "KO_ERR_IO", say."""
+    return _status_string(status).decode()
+
+
+if abi_version() != ABI_VERSION:
+    raise ImportError(f"{_library._name} has ABI {abi_version()}; this module needs {ABI_VERSION}")
+
+
+# ---- Arrays and errors
+
+
+def _check(status: int) -> None:
+    if status < 0:
+        raise Error(status, _last_error().decode(errors="replace"))
+
+
+def _wrong(message: str) -> Error:
+    return Error(Status.INVALID_ARGUMENT, message)
+
+
+def _numbers(name: str, array: npt.ArrayLike, width: Optional[int], type_: Any = np.float64) -> Array:
+    """`array` as [n, width], C-contiguous; itself where it is so already. Width None: [n]."""
+    numbers = np.ascontiguousarray(array, dtype=type_)
+    if width is None:
+        if numbers.ndim != 1:
+            raise _wrong(f"{name} has the shape {numbers.shape}; [n] is needed")
+        return numbers
+    if numbers.ndim == 1 and numbers.size == width:
+        numbers = numbers.reshape(1, width)
+    if numbers.ndim != 2 or numbers.shape[1] != width:
+        raise _wrong(f"{name} has the shape {numbers.shape}; [n, {width}] is needed")
+    return numbers
+
+
+def _indices_of(name: str, array: npt.ArrayLike, width: Optional[int], type_: Any) -> Array:
+    """The same for indices, which must not change on their way to `type_`."""
+    given = np.asarray(array)
+    if given.dtype != type_ and given.size > 0:
+        if given.dtype.kind not in "iu" or given.min() < 0 or given.max() > np.iinfo(type_).max:
+            raise _wrong(f"{name} holds {given.dtype}; indices from 0 are needed")
+    return _numbers(name, given, width, type_)
+
+
+def _room(name: str, array: Optional[Array], shape: tuple[int, ...], type_: Any = np.float64) -> Optional[Array]:
+    """`array`, into which the library can write `shape`."""
+    if array is None:
+        return None
+    if not isinstance(array, np.ndarray) or array.dtype != type_ or array.shape != shape:
+        found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
+        raise _wrong(f"{name} is {found}; an array of {np.dtype(type_)} {shape} is needed")
+    if not (array.flags.c_contiguous and array.flags.aligned and array.flags.writeable):
+        raise _wrong(f"{name} must be C-contiguous, aligned and writeable")
+    return array
+
+
+def _at(array: Optional[Array], type_: Any = c_double) -> Any:
+    """Where an array lies; NULL for none."""
+    return None if array is None else array.ctypes.data_as(POINTER(type_))
+
+
+def _count(name: str, value: Any) -> int:
+    """A number that C takes as unsigned: ctypes would wrap a negative one around."""
+    count = operator.index(value)
+    if count < 0:
+        raise _wrong(f"{name} is {count}; it must not be negative")
+    return count
+
+
+def _path(path: Union[str, os.PathLike]) -> bytes:
+    encoded = os.fsencode(path)
+    if b"\0" in encoded:
+        raise _wrong(f"the path {path!r} has a zero byte in it")
+    return encoded
+
+
+class _Handle:
+    """Owns a handle of C, `_as_parameter_` to ctypes. Once closed it is NULL, which each call refuses."""
+
+    _free: Any
+
+    def __init__(self, handle: Any) -> None:
+        self._as_parameter_ = handle
+        self._finalizer = weakref.finalize(self, self._free, handle)
+
+    def close(self) -> None:
+        """Frees what is held. No other thread may be using it. Calls from then on raise Error."""
+        self._as_parameter_ = type(self._as_parameter_)()
+        self._finalizer()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+# ---- Meshes, clouds, fields
+
+
+class Mesh(_Handle):
+    """A triangulated surface in space (dim 3), or polylines in the plane (dim 2): there a triangle is a segment."""
+
+    _free = staticmethod(_mesh_free)
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        dim = c_uint32()
+        _check(_mesh_get_dim(self, ctypes.byref(dim)))
+        self.dim: int = dim.value
+
+    @classmethod
+    def read(cls, path: Union[str, os.PathLike]) -> Mesh:
+        """From an OBJ, STL, PLY or OFF file, plain or compressed by gzip."""
+        handle = _mesh()
+        _check(_mesh_read(_path(path), ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def from_triangles(cls, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Mesh:
+        """From vertices [n, 3] and triangles [n, 3], indices from 0, counter-clockwise seen from outside."""
+        vertices = _numbers("vertices", vertices, 3)
+        triangles = _indices_of("triangles", triangles, 3, np.uint32)
+        handle = _mesh()
+        _check(
+            _mesh_from_triangles(
+                _at(vertices), len(vertices), _at(triangles, c_uint32), len(triangles), ctypes.byref(handle)
+            )
+        )
+        return cls(handle)
+
+    @classmethod
+    def from_polylines(
+        cls, points: npt.ArrayLike, loop_starts: Sequence[int] = (0,), kind: Polylines = Polylines.CLOSED
+    ) -> Mesh:
+        """From points [n, 2] of the plane, of which polyline i begins at loop_starts[i]. A solid lies on the left of closed ones."""
+        points = _numbers("points", points, 2)
+        starts = _indices_of("loop_starts", loop_starts, None, np.uintp)
+        handle = _mesh()
+        _check(
+            _mesh_from_polylines(
+                _at(points), len(points), _at(starts, c_size_t), len(starts), kind, ctypes.byref(handle)
+            )
+        )
+        return cls(handle)
+
+    def _size(self) -> tuple[int, int]:
+        n_vertices, n_triangles = c_size_t(), c_size_t()
+        _check(_mesh_get_size(self, ctypes.byref(n_vertices), ctypes.byref(n_triangles)))
+        return n_vertices.value, n_triangles.value
+
+    @property
+    def n_vertices(self) -> int:
+        """Vertices, used by a triangle or not."""
+        return self._size()[0]
+
+    @property
+    def n_triangles(self) -> int:
+        """Triangles, in the plane segments."""
+        return self._size()[1]
+
+    def vertices(self) -> Array:
+        """A copy of the vertices, [n_vertices, dim]."""
+        n_vertices, n_triangles = self._size()
+        vertices = np.empty((n_vertices, self.dim))
+        _check(_mesh_copy(self, n_vertices, n_triangles, _at(vertices), None))
+        return vertices
+
+    def triangles(self) -> Array:
+        """A copy of the triangles, in the plane the segments, [n_triangles, dim] of uint32."""
+        n_vertices, n_triangles = self._size()
+        triangles = np.empty((n_triangles, self.dim), dtype=np.uint32)
+        _check(_mesh_copy(self, n_vertices, n_triangles, None, _at(triangles, c_uint32)))
+        return triangles
+
+    def report(self) -> ko_mesh_report:
+        """What can be said of the mesh: closed, oriented, manifold, components, flaws, extents."""
+        report = ko_mesh_report()
+        _check(_mesh_get_report(self, ctypes.sizeof(report), ctypes.byref(report)))
+        return report
+
+    def flip(self) -> None:
+        """Turns every triangle over; an inside-out solid becomes a solid. No other thread may be using the mesh."""
+        _check(_mesh_flip(self))
+
+    def sample(self, n_points: int, seed: int = 0) -> Cloud:
+        """`n_points` points of the surface or the curves with normals, evenly spread."""
+        handle = _cloud()
+        _check(_mesh_sample(self, _count("n_points", n_points), seed, ctypes.byref(handle)))
+        return Cloud(handle)
+
+    def signed_distance(self, points: npt.ArrayLike) -> Array:
+        """Exact distances [n] of points [n, dim]: positive outside."""
+        points = _numbers("points", points, self.dim)
+        distances = np.empty(len(points))
+        _check(_mesh_signed_distance(self, _at(points), len(points), _at(distances)))
+        return distances
+
+
+class Origins(NamedTuple):
+    """Where on its mesh each point of a cloud was taken."""
+
+    triangles: Array
+    """[n] of uint32; in the plane segments."""
+    barycentric: Array
+    """[n, dim]"""
+
+
+class Cloud(_Handle):
+    """Points of a surface in space (dim 3) or of a curve in the plane (dim 2) with unit normals. len() tells how many."""
+
+    _free = staticmethod(_cloud_free)
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        dim = c_uint32()
+        _check(_cloud_get_dim(self, ctypes.byref(dim)))
+        self.dim: int = dim.value
+
+    @classmethod
+    def from_points(cls, points: npt.ArrayLike, normals: npt.ArrayLike) -> Cloud:
+        """From points [n, dim] and normals [n, dim] out of the solid, of any length but 0; dim is 2 or 3."""
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        if points.ndim != 2:
+            raise _wrong(f"points has the shape {points.shape}; [n, 2] or [n, 3] is needed")
+        n, dim = points.shape
+        normals = _numbers("normals", normals, dim)
+        if len(normals) != n:
+            raise _wrong(f"{n} points come with {len(normals)} normals; one a point is needed")
+        handle = _cloud()
+        _check(_cloud_from_points(dim, _at(points), _at(normals), n, ctypes.byref(handle)))
+        return cls(handle)
+
+    def __len__(self) -> int:
+        n = c_size_t()
+        _check(_cloud_get_size(self, ctypes.byref(n)))
+        return n.value
+
+    def points(self) -> Array:
+        """A copy of the points, [n, dim]."""
+        points = np.empty((len(self), self.dim))
+        _check(_cloud_copy(self, len(points), _at(points), None))
+        return points
+
+    def normals(self) -> Array:
+        """A copy of the normals, [n, dim], of length 1."""
+        normals = np.empty((len(self), self.dim))
+        _check(_cloud_copy(self, len(normals), None, _at(normals)))
+        return normals
+
+    def set_weights(self, weights: npt.ArrayLike) -> None:
+        """Gives each point a weight [n]: how much a fit trusts it. Points of weight 0 take no part."""
+        weights = _numbers("weights", weights, None)
+        _check(_cloud_set_weights(self, _at(weights), len(weights)))
+
+    def origins(self) -> Origins:
+        """Where on its mesh each point was taken; raises Error for a cloud that was not sampled from one."""
+        n = len(self)
+        origins = Origins(np.empty(n, dtype=np.uint32), np.empty((n, self.dim)))
+        _check(_cloud_copy_origins(self, n, _at(origins.triangles, c_uint32), _at(origins.barycentric)))
+        return origins
+
+
+_OPTIONS = {name: type_ for name, type_ in ko_fit_options._fields_ if not name.startswith(("struct_size", "progress"))}
+
+
+class FitOptions(ko_fit_options):
+    """Options of Field.fit: the defaults but for what is given by name, FitOptions(feasible=Feasible.INSIDE, margin=0.3), say.
+
+    control_points takes one number for all axes, or one for each. A name that is no option raises AttributeError.
+    """
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__()
+        _check(_fit_options_init(ctypes.byref(self), ctypes.sizeof(ko_fit_options)))
+        for name, value in settings.items():
+            setattr(self, name, value)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name not in _OPTIONS:
+            raise AttributeError(f"there is no option {name}; there are {', '.join(_OPTIONS)}")
+        if name == "control_points":
+            counts = [value] * 3 if np.ndim(value) == 0 else [*value, 0][:3]
+            value = (c_uint32 * 3)(*(_count(name, count) for count in counts))
+        elif _OPTIONS[name] in (c_uint32, c_uint64):
+            value = _count(name, value)
+        super().__setattr__(name, value)
+
+
+class _Listener:
+    """Stands between C and a Progress: no exception passes."""
+
+    def __init__(self, progress: Progress) -> None:
+        self.progress = progress
+        self.raised: Optional[BaseException] = None
+        self.for_c = ko_progress(self.hear)
+
+    def hear(self, fraction: float, stage: bytes, _data: Optional[int]) -> int:
+        try:
+            return int(self.progress(fraction, stage.decode()) is False)
+        except BaseException as exception:  # KeyboardInterrupt too
+            self.raised = exception
+            return 1
+
+
+class Field(_Handle):
+    """A level-set function phi, close to the signed distance to a shape."""
+
+    _free = staticmethod(_field_free)
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        self.dim: int = self.report().dim
+
+    @classmethod
+    def fit(cls, cloud: Cloud, options: Optional[FitOptions] = None, progress: Optional[Progress] = None) -> Field:
+        """Fits a field to `cloud`; `progress` is told on this thread."""
+        own = ko_fit_options.from_buffer_copy(FitOptions() if options is None else options)
+        listener = _Listener(progress) if progress else None
+        if listener:
+            own.progress = listener.for_c
+        handle = _field()
+        status = _field_fit(cloud, ctypes.byref(own), ctypes.byref(handle))
+        field = cls(handle) if status >= 0 else None
+        if listener and listener.raised:
+            raise listener.raised
+        _check(status)
+        assert field is not None
+        return field
+
+    @classmethod
+    def load(cls, path: Union[str, os.PathLike]) -> Field:
+        """From a file that save wrote; it evaluates to the same bits."""
+        handle = _field()
+        _check(_field_load(_path(path), ctypes.byref(handle)))
+        return cls(handle)
+
+    def save(self, path: Union[str, os.PathLike]) -> None:
+        """To the file `path`, which is replaced whole or, after an error, left as it was."""
+        _check(_field_save(self, _path(path)))
+
+    def report(self) -> ko_fit_report:
+        """What the field is and what its fit did."""
+        report = ko_fit_report()
+        _check(_field_get_report(self, ctypes.sizeof(report), ctypes.byref(report)))
+        return report
+
+    def __call__(self, points: npt.ArrayLike) -> Array:
+        """Values [n] at points [n, dim]."""
+        return self.eval(points, derivatives=0)[0]
+
+    def eval(self, points: npt.ArrayLike, derivatives: int = 1, n_threads: int = 1) -> tuple[Array, ...]:
+        """Values [n] at points [n, dim], with gradients [n, dim] from derivatives 1 on, and packed Hessians with 2."""
+        if derivatives not in (0, 1, 2):
+            raise _wrong(f"derivatives is {derivatives}; it must be 0, 1 or 2")
+        points = _numbers("points", points, self.dim)
+        n = len(points)
+        shapes = ((n,), (n, self.dim), (n, self.dim * (self.dim + 1) // 2))[: derivatives + 1]
+        outputs = tuple(np.empty(shape) for shape in shapes)
+        self.eval_into(points, *outputs, n_threads=n_threads)
+        return outputs
+
+    def eval_into(
+        self,
+        points: npt.ArrayLike,
+        values: Optional[Array] = None,
+        gradients: Optional[Array] = None,
+        hessians: Optional[Array] = None,
+        n_threads: int = 1,
+    ) -> None:
+        """Evaluates into arrays of the caller's: values [n], gradients [n, dim], hessians [n, dim (dim + 1) / 2]; None: not wanted.
+
+        Hessians are by rows of the upper triangle, xx xy xz yy yz zz in space, xx xy yy in the plane. n_threads 0: all cores.
+        """
+        points = _numbers("points", points, self.dim)
+        n = len(points)
+        values = _room("values", values, (n,))
+        gradients = _room("gradients", gradients, (n, self.dim))
+        hessians = _room("hessians", hessians, (n, self.dim * (self.dim + 1) // 2))
+        outputs = (_at(values), _at(gradients), _at(hessians))
+        if n_threads == 1:
+            _check(_field_eval(self, _at(points), n, *outputs))
+        else:
+            _check(_field_eval_parallel(self, _at(points), n, *outputs, _count("n_threads", n_threads)))
+
+    def outside_box(self, points: npt.ArrayLike) -> Array:
+        """Which of points [n, dim] are outside the field's box, [n] of bool."""
+        points = _numbers("points", points, self.dim)
+        outside = np.empty(len(points), dtype=np.bool_)
+        _check(_field_outside_box(self, _at(points), len(points), _at(outside, c_uint8)))
+        return outside
+
+
+def unpack_hessians(packed: Array) -> Array:
+    """Symmetric matrices [n, dim, dim] of packed Hessians [n, dim (dim + 1) / 2]."""
+    dim = {3: 2, 6: 3}.get(packed.shape[-1])
+    if dim is None:
+        raise _wrong(f"packed has the shape {packed.shape}; [n, 6] or [n, 3] is needed")
+    rows, columns = np.triu_indices(dim)
+    matrices = np.empty(packed.shape[:-1] + (dim, dim))
+    matrices[..., rows, columns] = packed
+    matrices[..., columns, rows] = packed
+    return matrices

@@ -1,0 +1,1038 @@
+! Keepout for Fortran 2008, over keepout.h, whose docs hold here too. Compile this file with the program, and link libkeepout.
+! SPDX-License-Identifier: Apache-2.0 OR MIT
+!
+! Module keepout_c: the C calls, structs and constants under their own names.
+! Module keepout: those, and handles that free themselves, arrays that tell their sizes, messages as Fortran strings.
+!
+! Arrays. Points are (dim, n): column by column that is C's row-major [n x dim], so nothing is copied or transposed. Hessians are
+!   (dim (dim + 1) / 2, n). An array section that is not contiguous is copied by the compiler on its way.
+! Indices (triangles, loop_starts, origins) count from 0, as in C.
+! Unsigned numbers of C are integers of the same size here.
+
+module keepout_c
+  use, intrinsic :: iso_c_binding
+  implicit none
+
+  integer(c_int32_t), parameter :: KO_OK = 0
+  integer(c_int32_t), parameter :: KO_ERR_INVALID_ARGUMENT = -1
+  integer(c_int32_t), parameter :: KO_ERR_OUT_OF_MEMORY = -2
+  integer(c_int32_t), parameter :: KO_ERR_IO = -3
+  integer(c_int32_t), parameter :: KO_ERR_FORMAT = -4
+  integer(c_int32_t), parameter :: KO_ERR_UNSUPPORTED = -5
+  integer(c_int32_t), parameter :: KO_ERR_DEGENERATE = -6
+  integer(c_int32_t), parameter :: KO_ERR_NOT_CONVERGED = -7
+  integer(c_int32_t), parameter :: KO_ERR_CANCELLED = -8
+  integer(c_int32_t), parameter :: KO_ERR_INTERNAL = -9
+  ! KO_ABI_VERSION of C: Fortran does not tell that name from the function's.
+  integer(c_int32_t), parameter :: KO_MODULE_ABI_VERSION = 0
+  integer(c_int64_t), parameter :: KO_CAPABILITY_3D = 1
+  integer(c_int64_t), parameter :: KO_CAPABILITY_GZIP = 2
+  integer(c_int32_t), parameter :: KO_FEASIBLE_OUTSIDE = 0
+  integer(c_int32_t), parameter :: KO_FEASIBLE_INSIDE = 1
+  integer(c_int32_t), parameter :: KO_REWEIGHT_LARGEST = 0
+  integer(c_int32_t), parameter :: KO_REWEIGHT_ROBUST = 1
+
+  type, bind(c) :: ko_mesh_report
+    integer(c_size_t) :: struct_size
+    integer(c_int64_t) :: n_vertices
+    integer(c_int64_t) :: n_triangles
+    integer(c_int64_t) :: n_components
+    integer(c_int64_t) :: n_boundary_edges
+    integer(c_int64_t) :: n_non_manifold_edges
+    integer(c_int64_t) :: n_non_manifold_vertices
+    integer(c_int64_t) :: n_degenerate
+    integer(c_int64_t) :: n_duplicate
+    integer(c_int64_t) :: n_unreferenced
+    integer(c_int32_t) :: closed
+    integer(c_int32_t) :: oriented
+    integer(c_int32_t) :: manifold
+    integer(c_int32_t) :: inside_out
+    real(c_double) :: bounds_min(3)
+    real(c_double) :: bounds_max(3)
+    real(c_double) :: area
+    real(c_double) :: volume
+  end type
+
+  ! Made by keepout_fit_options() with the defaults.
+  type, bind(c) :: ko_fit_options
+    integer(c_size_t) :: struct_size
+    integer(c_int32_t) :: control_points(3)
+    integer(c_int32_t) :: reweightings
+    real(c_double) :: margin
+    real(c_double) :: lambda_normal
+    real(c_double) :: lambda_smooth
+    real(c_double) :: distance_weight
+    real(c_double) :: tolerance
+    integer(c_int32_t) :: feasible
+    integer(c_int32_t) :: max_iterations
+    integer(c_int64_t) :: memory_limit
+    integer(c_int32_t) :: n_threads
+    integer(c_int32_t) :: reserved
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+    integer(c_int32_t) :: reweighting
+    integer(c_int32_t) :: reserved_2
+  end type
+
+  type, bind(c) :: ko_fit_report
+    integer(c_size_t) :: struct_size
+    integer(c_int32_t) :: dim
+    integer(c_int32_t) :: feasible
+    integer(c_int32_t) :: control_points(3)
+    integer(c_int32_t) :: iterations
+    integer(c_int64_t) :: n_unknowns
+    integer(c_int64_t) :: n_points
+    integer(c_int64_t) :: bytes
+    real(c_double) :: box_min(3)
+    real(c_double) :: box_max(3)
+    real(c_double) :: diagonal
+    real(c_double) :: residual
+    real(c_double) :: seconds_assembly
+    real(c_double) :: seconds_solve
+    real(c_double) :: seconds_check
+    real(c_double) :: rms
+    real(c_double) :: max
+    real(c_double) :: mean_gradient
+    integer(c_int64_t) :: n_outliers
+  end type
+
+  abstract interface
+    ! ko_progress; its address by c_funloc.
+    function ko_progress(fraction, stage, data) bind(c) result(cancel)
+      import
+      real(c_double), value :: fraction
+      type(c_ptr), value :: stage
+      type(c_ptr), value :: data
+      integer(c_int32_t) :: cancel
+    end function
+  end interface
+
+  ! Handles, and arrays that may be NULL, are type(c_ptr): c_loc gives an array's address, c_null_ptr is NULL. Strings end with
+  ! c_null_char.
+  interface
+    function ko_last_error() bind(c) result(message)
+      import
+      type(c_ptr) :: message
+    end function
+
+    function ko_status_string(status) bind(c) result(name)
+      import
+      integer(c_int32_t), value :: status
+      type(c_ptr) :: name
+    end function
+
+    function ko_version() bind(c) result(version)
+      import
+      type(c_ptr) :: version
+    end function
+
+    function ko_abi_version() bind(c) result(version)
+      import
+      integer(c_int32_t) :: version
+    end function
+
+    function ko_capabilities() bind(c) result(capabilities)
+      import
+      integer(c_int64_t) :: capabilities
+    end function
+
+    function ko_mesh_read(path, mesh) bind(c) result(status)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_from_triangles(vertices, n_vertices, triangles, n_triangles, mesh) bind(c) result(status)
+      import
+      real(c_double), intent(in) :: vertices(*)
+      integer(c_size_t), value :: n_vertices
+      integer(c_int32_t), intent(in) :: triangles(*)
+      integer(c_size_t), value :: n_triangles
+      type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_from_polylines(points, n_points, loop_starts, n_loops, closed, mesh) bind(c) result(status)
+      import
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      integer(c_size_t), intent(in) :: loop_starts(*)
+      integer(c_size_t), value :: n_loops
+      integer(c_int32_t), value :: closed
+      type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_mesh_free(mesh) bind(c)
+      import
+      type(c_ptr), value :: mesh
+    end subroutine
+
+    function ko_mesh_get_dim(mesh, dim) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_int32_t), intent(inout) :: dim
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_get_size(mesh, n_vertices, n_triangles) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), intent(inout) :: n_vertices
+      integer(c_size_t), intent(inout) :: n_triangles
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_copy(mesh, n_vertices, n_triangles, vertices, triangles) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), value :: n_vertices
+      integer(c_size_t), value :: n_triangles
+      type(c_ptr), value :: vertices
+      type(c_ptr), value :: triangles
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_get_report(mesh, struct_size, report) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), value :: struct_size
+      type(ko_mesh_report), intent(inout) :: report
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_flip(mesh) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_sample(mesh, n_points, seed, cloud) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), value :: n_points
+      integer(c_int64_t), value :: seed
+      type(c_ptr), intent(out) :: cloud
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_signed_distance(mesh, points, n_points, distances) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      real(c_double), intent(inout) :: distances(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_from_points(dim, points, normals, n_points, cloud) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      real(c_double), intent(in) :: points(*)
+      type(c_ptr), value :: normals
+      integer(c_size_t), value :: n_points
+      type(c_ptr), intent(out) :: cloud
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_cloud_free(cloud) bind(c)
+      import
+      type(c_ptr), value :: cloud
+    end subroutine
+
+    function ko_cloud_get_dim(cloud, dim) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      integer(c_int32_t), intent(inout) :: dim
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_get_size(cloud, n_points) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      integer(c_size_t), intent(inout) :: n_points
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_copy(cloud, n_points, points, normals) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      integer(c_size_t), value :: n_points
+      type(c_ptr), value :: points
+      type(c_ptr), value :: normals
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_set_weights(cloud, weights, n_points) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      real(c_double), intent(in) :: weights(*)
+      integer(c_size_t), value :: n_points
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_copy_origins(cloud, n_points, triangles, barycentric) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      integer(c_size_t), value :: n_points
+      type(c_ptr), value :: triangles
+      type(c_ptr), value :: barycentric
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_fit_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_fit_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_fit(cloud, options, field) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      type(ko_fit_options), intent(in) :: options
+      type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_eval(field, points, n_points, values, gradients, hessians) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      type(c_ptr), value :: values
+      type(c_ptr), value :: gradients
+      type(c_ptr), value :: hessians
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_eval_parallel(field, points, n_points, values, gradients, hessians, n_threads) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      type(c_ptr), value :: values
+      type(c_ptr), value :: gradients
+      type(c_ptr), value :: hessians
+      integer(c_int32_t), value :: n_threads
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_outside_box(field, points, n_points, outside) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      integer(c_int8_t), intent(inout) :: outside(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_get_report(field, struct_size, report) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      integer(c_size_t), value :: struct_size
+      type(ko_fit_report), intent(inout) :: report
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_save(field, path) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_load(path, field) bind(c) result(status)
+      import
+      character(kind=c_char), intent(in) :: path(*)
+      type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_field_free(field) bind(c)
+      import
+      type(c_ptr), value :: field
+    end subroutine
+  end interface
+end module
+
+! Handles. A keepout_mesh, _cloud or _field is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
+!   freed by free() or when it goes out of scope. It has one owner: assigning one ends the program; move_alloc moves one that is
+!   allocatable.
+! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK or one of KO_ERR_..., errmsg is set
+!   on failure. A call that fails without stat ends the program with its message.
+! Threads. As in C: calls that take their handle as intent(in) may be made at once from any number of threads.
+module keepout
+  use keepout_c
+  use, intrinsic :: iso_fortran_env, only: error_unit
+  implicit none
+
+  private :: error_unit
+
+  ! Whether polylines go back to their first points.
+  integer, parameter :: KEEPOUT_OPEN = 0
+  integer, parameter :: KEEPOUT_CLOSED = 1
+
+  ! A triangulated surface in space, or polylines in the plane: there a triangle is a segment.
+  type :: keepout_mesh
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer(c_size_t), private :: vertices = 0
+    integer(c_size_t), private :: triangles = 0
+  contains
+    procedure :: read => mesh_read
+    procedure :: from_triangles => mesh_from_triangles
+    procedure :: from_polylines => mesh_from_polylines
+    procedure :: free => mesh_free
+    procedure :: dim => mesh_dim
+    procedure :: n_vertices => mesh_n_vertices
+    procedure :: n_triangles => mesh_n_triangles
+    procedure :: copy => mesh_copy
+    procedure :: report => mesh_report
+    procedure :: flip => mesh_flip
+    procedure :: sample => mesh_sample
+    procedure :: signed_distance => mesh_signed_distance
+    procedure :: c_handle => mesh_c_handle
+    procedure, private :: mesh_assign
+    generic :: assignment(=) => mesh_assign
+    final :: mesh_final
+  end type
+
+  ! Points of a surface in space, or of a curve in the plane, with unit normals.
+  type :: keepout_cloud
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer(c_size_t), private :: points = 0
+  contains
+    procedure :: from_points => cloud_from_points
+    procedure :: free => cloud_free
+    procedure :: dim => cloud_dim
+    procedure :: n_points => cloud_n_points
+    procedure :: copy => cloud_copy
+    procedure :: copy_origins => cloud_copy_origins
+    procedure :: set_weights => cloud_set_weights
+    procedure :: c_handle => cloud_c_handle
+    procedure, private :: cloud_assign
+    generic :: assignment(=) => cloud_assign
+    final :: cloud_final
+  end type
+
+  ! A level-set function phi, close to the signed distance to a shape.
+  type :: keepout_field
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+  contains
+    procedure :: fit => field_fit
+    procedure :: load => field_load
+    procedure :: save => field_save
+    procedure :: free => field_free
+    procedure :: dim => field_dim
+    procedure :: report => field_report
+    procedure :: eval => field_eval
+    procedure :: eval_parallel => field_eval_parallel
+    procedure :: outside_box => field_outside_box
+    procedure :: c_handle => field_c_handle
+    procedure, private :: field_assign
+    generic :: assignment(=) => field_assign
+    final :: field_final
+  end type
+
+  ! Extended by who wants to be told of progress, with what he keeps meanwhile.
+  type, abstract :: keepout_listener
+  contains
+    procedure(hear_progress), deferred :: hear
+  end type
+
+  abstract interface
+    ! fraction: done, in [0, 1]. stage: its name. cancel: set to .true. to stop; the call then fails with KO_ERR_CANCELLED.
+    subroutine hear_progress(self, fraction, stage, cancel)
+      import :: keepout_listener, c_double
+      class(keepout_listener), intent(inout) :: self
+      real(c_double), intent(in) :: fraction
+      character(len=*), intent(in) :: stage
+      logical, intent(inout) :: cancel
+    end subroutine
+  end interface
+
+  ! A listener on its way through C, which knows addresses of plain types only.
+  type, private :: listener_box
+    class(keepout_listener), pointer :: listener => null()
+  end type
+
+  interface
+    function keepout_strlen(text) bind(c, name="strlen") result(length)
+      import
+      type(c_ptr), value :: text
+      integer(c_size_t) :: length
+    end function
+  end interface
+
+  private :: keepout_strlen, from_c, to_c, settle, conclude, refuse, right_shape, right_size, mesh_adopt, cloud_adopt, field_adopt
+  private :: mesh_read, mesh_from_triangles, mesh_from_polylines, mesh_free, mesh_dim, mesh_n_vertices, mesh_n_triangles, mesh_copy
+  private :: mesh_report, mesh_flip, mesh_sample, mesh_signed_distance, mesh_c_handle, mesh_assign, mesh_final
+  private :: cloud_from_points, cloud_free, cloud_dim, cloud_n_points, cloud_copy, cloud_copy_origins, cloud_set_weights
+  private :: cloud_c_handle, cloud_assign, cloud_final
+  private :: field_fit, field_load, field_save, field_free, field_dim, field_report, field_eval, field_eval_parallel
+  private :: field_outside_box, field_c_handle, field_assign, field_final, addresses, pass_on, hear_progress
+
+contains
+
+  ! ---- What has no handle
+
+  ! Message of the last C call that failed on this thread.
+  function keepout_last_error() result(message)
+    character(:), allocatable :: message
+    message = from_c(ko_last_error())
+  end function
+
+  ! Name of a status, "KO_ERR_IO", say.
+  function keepout_status_string(status) result(name)
+    integer(c_int32_t), intent(in) :: status
+    character(:), allocatable :: name
+    name = from_c(ko_status_string(status))
+  end function
+
+  ! Version of the library, "major.minor.patch".
+  function keepout_version() result(version)
+    character(:), allocatable :: version
+    version = from_c(ko_version())
+  end function
+
+  ! Options with the defaults.
+  function keepout_fit_options() result(options)
+    type(ko_fit_options) :: options
+    call settle(ko_fit_options_init(options, c_sizeof(options)))
+  end function
+
+  ! ---- Meshes
+
+  ! From an OBJ, STL, PLY or OFF file. Blanks at the end of `path` do not count.
+  subroutine mesh_read(self, path, stat, errmsg)
+    class(keepout_mesh), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_mesh_read(to_c(path), handle)
+    if (status >= KO_OK) call mesh_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! From vertices (3, n_vertices) and triangles (3, n_triangles), indices from 0, counter-clockwise seen from outside.
+  subroutine mesh_from_triangles(self, vertices, triangles, stat, errmsg)
+    class(keepout_mesh), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: vertices(:, :)
+    integer(c_int32_t), intent(in), contiguous :: triangles(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    if (.not. right_size("vertices", "rows", size(vertices, 1), 3, stat, errmsg)) return
+    if (.not. right_size("triangles", "rows", size(triangles, 1), 3, stat, errmsg)) return
+    status = ko_mesh_from_triangles(vertices, size(vertices, 2, c_size_t), triangles, size(triangles, 2, c_size_t), handle)
+    if (status >= KO_OK) call mesh_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! From points (2, n) of the plane, of which polyline i begins at loop_starts(i), counted from 0. Without `kind` they are closed;
+  ! a solid lies on the left of closed ones.
+  subroutine mesh_from_polylines(self, points, loop_starts, kind, stat, errmsg)
+    class(keepout_mesh), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    integer, intent(in) :: loop_starts(:)
+    integer, intent(in), optional :: kind
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status, closed
+    if (.not. right_size("points", "rows", size(points, 1), 2, stat, errmsg)) return
+    closed = KEEPOUT_CLOSED
+    if (present(kind)) closed = int(kind, c_int32_t)
+    status = ko_mesh_from_polylines(points, size(points, 2, c_size_t), int(loop_starts, c_size_t), &
+      size(loop_starts, 1, c_size_t), closed, handle)
+    if (status >= KO_OK) call mesh_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine mesh_free(self)
+    class(keepout_mesh), intent(inout) :: self
+    call ko_mesh_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%vertices = 0
+    self%triangles = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function mesh_dim(self)
+    class(keepout_mesh), intent(in) :: self
+    mesh_dim = self%width
+  end function
+
+  pure integer(c_size_t) function mesh_n_vertices(self)
+    class(keepout_mesh), intent(in) :: self
+    mesh_n_vertices = self%vertices
+  end function
+
+  pure integer(c_size_t) function mesh_n_triangles(self)
+    class(keepout_mesh), intent(in) :: self
+    mesh_n_triangles = self%triangles
+  end function
+
+  ! Allocates and fills vertices (dim, n_vertices) and triangles (dim, n_triangles).
+  subroutine mesh_copy(self, vertices, triangles, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    real(c_double), allocatable, target, intent(out) :: vertices(:, :)
+    integer(c_int32_t), allocatable, target, intent(out) :: triangles(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    allocate (vertices(self%width, self%vertices), triangles(self%width, self%triangles))
+    call settle(ko_mesh_copy(self%handle, self%vertices, self%triangles, c_loc(vertices), c_loc(triangles)), stat, errmsg)
+  end subroutine
+
+  ! What can be said of the mesh.
+  subroutine mesh_report(self, report, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    type(ko_mesh_report), intent(out) :: report
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_mesh_get_report(self%handle, c_sizeof(report), report), stat, errmsg)
+  end subroutine
+
+  ! Turns every triangle over; an inside-out solid becomes a solid.
+  subroutine mesh_flip(self, stat, errmsg)
+    class(keepout_mesh), intent(inout) :: self
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_mesh_flip(self%handle), stat, errmsg)
+  end subroutine
+
+  ! `n_points` points of the surface or the curves with normals, evenly spread, into `cloud`.
+  subroutine mesh_sample(self, n_points, seed, cloud, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    integer, intent(in) :: n_points
+    integer, intent(in) :: seed
+    type(keepout_cloud), intent(inout) :: cloud
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_mesh_sample(self%handle, int(max(n_points, 0), c_size_t), int(seed, c_int64_t), handle)
+    if (status >= KO_OK) call cloud_adopt(cloud, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Exact distances of points (dim, n) into distances (n): positive outside.
+  subroutine mesh_signed_distance(self, points, distances, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(inout), contiguous :: distances(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_size("points", "rows", size(points, 1), self%width, stat, errmsg)) return
+      if (.not. right_size("distances", "entries", size(distances), size(points, 2), stat, errmsg)) return
+    end if
+    call settle(ko_mesh_signed_distance(self%handle, points, size(points, 2, c_size_t), distances), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the mesh's.
+  pure function mesh_c_handle(self) result(handle)
+    class(keepout_mesh), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! ---- Clouds
+
+  ! From points (dim, n) and normals (dim, n) out of the solid, dim 2 or 3.
+  subroutine cloud_from_points(self, points, normals, stat, errmsg)
+    class(keepout_cloud), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(in), contiguous, target :: normals(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    if (.not. right_shape("normals", shape(normals), shape(points), stat, errmsg)) return
+    status = ko_cloud_from_points(size(points, 1, c_int32_t), points, c_loc(normals), size(points, 2, c_size_t), handle)
+    if (status >= KO_OK) call cloud_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine cloud_free(self)
+    class(keepout_cloud), intent(inout) :: self
+    call ko_cloud_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%points = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function cloud_dim(self)
+    class(keepout_cloud), intent(in) :: self
+    cloud_dim = self%width
+  end function
+
+  pure integer(c_size_t) function cloud_n_points(self)
+    class(keepout_cloud), intent(in) :: self
+    cloud_n_points = self%points
+  end function
+
+  ! Allocates and fills points (dim, n) and normals (dim, n), of length 1.
+  subroutine cloud_copy(self, points, normals, stat, errmsg)
+    class(keepout_cloud), intent(in) :: self
+    real(c_double), allocatable, target, intent(out) :: points(:, :)
+    real(c_double), allocatable, target, intent(out) :: normals(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    allocate (points(self%width, self%points), normals(self%width, self%points))
+    call settle(ko_cloud_copy(self%handle, self%points, c_loc(points), c_loc(normals)), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills triangles (n), indices from 0, and barycentric (dim, n): where on its mesh each point was taken.
+  subroutine cloud_copy_origins(self, triangles, barycentric, stat, errmsg)
+    class(keepout_cloud), intent(in) :: self
+    integer(c_int32_t), allocatable, target, intent(out) :: triangles(:)
+    real(c_double), allocatable, target, intent(out) :: barycentric(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    allocate (triangles(self%points), barycentric(self%width, self%points))
+    call settle(ko_cloud_copy_origins(self%handle, self%points, c_loc(triangles), c_loc(barycentric)), stat, errmsg)
+  end subroutine
+
+  ! Gives each point a weight, weights (n): how much a fit trusts it. Points of weight 0 take no part.
+  subroutine cloud_set_weights(self, weights, stat, errmsg)
+    class(keepout_cloud), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: weights(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_cloud_set_weights(self%handle, weights, size(weights, 1, c_size_t)), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the cloud's.
+  pure function cloud_c_handle(self) result(handle)
+    class(keepout_cloud), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! ---- Fields
+
+  ! Fits a field to `cloud`; `listener` is told of progress, on this thread.
+  subroutine field_fit(self, cloud, options, listener, stat, errmsg)
+    class(keepout_field), intent(inout) :: self
+    type(keepout_cloud), intent(in) :: cloud
+    type(ko_fit_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_fit_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_fit_options()
+    if (present(options)) plain = options
+    if (present(listener)) then
+      box%listener => listener
+      plain%progress = c_funloc(pass_on)
+      plain%progress_data = c_loc(box)
+    end if
+    status = ko_field_fit(cloud%handle, plain, handle)
+    if (status >= KO_OK) call field_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Stands between C and a listener.
+  function pass_on(fraction, stage, data) bind(c, name="") result(cancelled)
+    real(c_double), value :: fraction
+    type(c_ptr), value :: stage
+    type(c_ptr), value :: data
+    integer(c_int32_t) :: cancelled
+    type(listener_box), pointer :: box
+    logical :: cancel
+    call c_f_pointer(data, box)
+    cancel = .false.
+    call box%listener%hear(fraction, from_c(stage), cancel)
+    cancelled = merge(1_c_int32_t, 0_c_int32_t, cancel)
+  end function
+
+  ! From a file that save wrote. Blanks at the end of `path` do not count.
+  subroutine field_load(self, path, stat, errmsg)
+    class(keepout_field), intent(inout) :: self
+    character(len=*), intent(in) :: path
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_field_load(to_c(path), handle)
+    if (status >= KO_OK) call field_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Blanks at the end of `path` do not count.
+  subroutine field_save(self, path, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_field_save(self%handle, to_c(path)), stat, errmsg)
+  end subroutine
+
+  subroutine field_free(self)
+    class(keepout_field), intent(inout) :: self
+    call ko_field_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function field_dim(self)
+    class(keepout_field), intent(in) :: self
+    field_dim = self%width
+  end function
+
+  ! What the field is and what its fit did.
+  subroutine field_report(self, report, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    type(ko_fit_report), intent(out) :: report
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_field_get_report(self%handle, c_sizeof(report), report), stat, errmsg)
+  end subroutine
+
+  ! Evaluates at points (dim, n) into values (n), gradients (dim, n) and hessians, (6, n: xx xy xz yy yz zz) in space and
+  ! (3, n: xx xy yy) in the plane. No allocation, no lock, where the arrays are contiguous.
+  subroutine field_eval(self, points, values, gradients, hessians, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: values(:)
+    real(c_double), intent(inout), contiguous, target, optional :: gradients(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: hessians(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: to(3)
+    if (.not. addresses(self, points, values, gradients, hessians, to, stat, errmsg)) return
+    call settle(ko_field_eval(self%handle, points, size(points, 2, c_size_t), to(1), to(2), to(3)), stat, errmsg)
+  end subroutine
+
+  ! The same on `n_threads` threads; 0: all cores.
+  subroutine field_eval_parallel(self, n_threads, points, values, gradients, hessians, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    integer, intent(in) :: n_threads
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: values(:)
+    real(c_double), intent(inout), contiguous, target, optional :: gradients(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: hessians(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: to(3)
+    if (.not. addresses(self, points, values, gradients, hessians, to, stat, errmsg)) return
+    call settle(ko_field_eval_parallel(self%handle, points, size(points, 2, c_size_t), to(1), to(2), to(3), &
+      int(n_threads, c_int32_t)), stat, errmsg)
+  end subroutine
+
+  ! Where values, gradients and hessians go: NULL for what is not wanted. False when one has not the shape that `points` asks for.
+  logical function addresses(self, points, values, gradients, hessians, to, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    real(c_double), intent(in) :: points(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: values(:)
+    real(c_double), intent(inout), contiguous, target, optional :: gradients(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: hessians(:, :)
+    type(c_ptr), intent(out) :: to(3)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer :: n
+    to = c_null_ptr
+    n = size(points, 2)
+    addresses = .true.
+    ! Without a handle the call itself fails, and without points nothing is written.
+    if (self%width == 0 .or. n == 0) return
+    addresses = right_size("points", "rows", size(points, 1), self%width, stat, errmsg)
+    if (addresses .and. present(values)) then
+      addresses = right_size("values", "entries", size(values), n, stat, errmsg)
+      to(1) = c_loc(values)
+    end if
+    if (addresses .and. present(gradients)) then
+      addresses = right_shape("gradients", shape(gradients), [self%width, n], stat, errmsg)
+      to(2) = c_loc(gradients)
+    end if
+    if (addresses .and. present(hessians)) then
+      addresses = right_shape("hessians", shape(hessians), [self%width * (self%width + 1) / 2, n], stat, errmsg)
+      to(3) = c_loc(hessians)
+    end if
+  end function
+
+  ! 1 into outside (n) for each of points (dim, n) outside the field's box, else 0.
+  subroutine field_outside_box(self, points, outside, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    integer(c_int8_t), intent(inout), contiguous :: outside(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_size("points", "rows", size(points, 1), self%width, stat, errmsg)) return
+      if (.not. right_size("outside", "entries", size(outside), size(points, 2), stat, errmsg)) return
+    end if
+    call settle(ko_field_outside_box(self%handle, points, size(points, 2, c_size_t), outside), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the field's.
+  pure function field_c_handle(self) result(handle)
+    class(keepout_field), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! ---- Ownership
+
+  subroutine mesh_adopt(self, handle)
+    class(keepout_mesh), intent(inout) :: self
+    type(c_ptr), intent(in) :: handle
+    integer(c_int32_t) :: dim
+    call self%free()
+    self%handle = handle
+    call settle(ko_mesh_get_dim(handle, dim))
+    self%width = int(dim)
+    call settle(ko_mesh_get_size(handle, self%vertices, self%triangles))
+  end subroutine
+
+  subroutine cloud_adopt(self, handle)
+    class(keepout_cloud), intent(inout) :: self
+    type(c_ptr), intent(in) :: handle
+    integer(c_int32_t) :: dim
+    call self%free()
+    self%handle = handle
+    call settle(ko_cloud_get_dim(handle, dim))
+    self%width = int(dim)
+    call settle(ko_cloud_get_size(handle, self%points))
+  end subroutine
+
+  subroutine field_adopt(self, handle)
+    class(keepout_field), intent(inout) :: self
+    type(c_ptr), intent(in) :: handle
+    type(ko_fit_report) :: report
+    call self%free()
+    self%handle = handle
+    call self%report(report)
+    self%width = int(report%dim)
+  end subroutine
+
+  impure elemental subroutine mesh_final(self)
+    type(keepout_mesh), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  impure elemental subroutine cloud_final(self)
+    type(keepout_cloud), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  impure elemental subroutine field_final(self)
+    type(keepout_field), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  ! A copy would be freed twice. Two that hold nothing are equal already.
+  subroutine mesh_assign(left, right)
+    class(keepout_mesh), intent(inout) :: left
+    class(keepout_mesh), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_mesh cannot be assigned"
+  end subroutine
+
+  subroutine cloud_assign(left, right)
+    class(keepout_cloud), intent(inout) :: left
+    class(keepout_cloud), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_cloud cannot be assigned"
+  end subroutine
+
+  subroutine field_assign(left, right)
+    class(keepout_field), intent(inout) :: left
+    class(keepout_field), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_field cannot be assigned"
+  end subroutine
+
+  ! ---- Strings and errors
+
+  function from_c(text) result(copied)
+    type(c_ptr), intent(in) :: text
+    character(:), allocatable :: copied
+    character(kind=c_char), pointer :: characters(:)
+    integer :: i
+    call c_f_pointer(text, characters, [keepout_strlen(text)])
+    allocate (character(size(characters)) :: copied)
+    do i = 1, size(characters)
+      copied(i:i) = characters(i)
+    end do
+  end function
+
+  pure function to_c(text) result(ended)
+    character(len=*), intent(in) :: text
+    character(len=len_trim(text) + 1) :: ended
+    ended = trim(text) // c_null_char
+  end function
+
+  ! Ends a call of C.
+  subroutine settle(status, stat, errmsg)
+    integer(c_int32_t), intent(in) :: status
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (status < KO_OK) then
+      call conclude(status, keepout_last_error(), stat, errmsg)
+    else if (present(stat)) then
+      stat = status
+    end if
+  end subroutine
+
+  ! Ends a call that failed.
+  subroutine conclude(status, message, stat, errmsg)
+    integer(c_int32_t), intent(in) :: status
+    character(len=*), intent(in) :: message
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (present(errmsg)) errmsg = message
+    if (present(stat)) then
+      stat = status
+    else
+      write (error_unit, "(4a)") "keepout: ", message, " - ", keepout_status_string(status)
+      error stop 1
+    end if
+  end subroutine
+
+  ! `name` has `found` rows or entries and needs `right`.
+  logical function right_size(name, unit, found, right, stat, errmsg)
+    character(len=*), intent(in) :: name, unit
+    integer, intent(in) :: found, right
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    character(len=100) :: message
+    right_size = found == right
+    if (right_size) return
+    write (message, "(2a, i0, 2a)") name, " has ", found, " ", unit
+    write (message(len_trim(message) + 1:), "(a, i0, a)") "; ", right, " are needed"
+    call refuse(trim(message), stat, errmsg)
+  end function
+
+  ! `name` has the shape `found` and needs `right`.
+  logical function right_shape(name, found, right, stat, errmsg)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: found(2), right(2)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    character(len=120) :: message
+    right_shape = all(found == right)
+    if (right_shape) return
+    write (message, "(2a, i0, a, i0, a, i0, a, i0, a)") name, " has the shape (", found(1), ", ", found(2), "); (", right(1), &
+      ", ", right(2), ") is needed"
+    call refuse(trim(message), stat, errmsg)
+  end function
+
+  subroutine refuse(message, stat, errmsg)
+    character(len=*), intent(in) :: message
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call conclude(KO_ERR_INVALID_ARGUMENT, message, stat, errmsg)
+  end subroutine
+end module
