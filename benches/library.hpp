@@ -46,22 +46,40 @@ inline ko_mesh_report report_of(const Mesh &mesh) {
     return report;
 }
 
-// A mesh's arrays: vertices [n x 3], triangles [n x 3].
-struct Triangles {
+inline std::size_t dim_of(const Mesh &mesh) {
+    std::uint32_t dim = 0;
+    check(ko_mesh_get_dim(mesh.get(), &dim), "ko_mesh_get_dim");
+    return dim;
+}
+
+inline Mesh mesh_from(const std::vector<double> &vertices, const std::vector<std::uint32_t> &triangles) {
+    ko_mesh *mesh = nullptr;
+    check(ko_mesh_from_triangles(vertices.data(), vertices.size() / 3, triangles.data(), triangles.size() / 3, &mesh),
+          "ko_mesh_from_triangles");
+    return Mesh(mesh);
+}
+
+// A mesh's arrays: vertices [n x dim], facets [n x dim], which are triangles or, in the plane, segments.
+struct Facets {
+    std::size_t dim;
     std::vector<double> vertices;
-    std::vector<std::uint32_t> triangles;
+    std::vector<std::uint32_t> facets;
+
+    const double *vertex(std::size_t facet, std::size_t corner) const { return &vertices[dim * facets[dim * facet + corner]]; }
+    std::size_t size() const { return facets.size() / dim; }
 };
 
-inline Triangles triangles_of(const Mesh &mesh) {
-    std::size_t n_vertices = 0, n_triangles = 0;
-    check(ko_mesh_get_size(mesh.get(), &n_vertices, &n_triangles), "ko_mesh_get_size");
-    Triangles arrays{std::vector<double>(3 * n_vertices), std::vector<std::uint32_t>(3 * n_triangles)};
-    check(ko_mesh_copy(mesh.get(), n_vertices, n_triangles, arrays.vertices.data(), arrays.triangles.data()), "ko_mesh_copy");
+inline Facets facets_of(const Mesh &mesh) {
+    std::size_t n_vertices = 0, n_facets = 0;
+    check(ko_mesh_get_size(mesh.get(), &n_vertices, &n_facets), "ko_mesh_get_size");
+    const std::size_t dim = dim_of(mesh);
+    Facets arrays{dim, std::vector<double>(dim * n_vertices), std::vector<std::uint32_t>(dim * n_facets)};
+    check(ko_mesh_copy(mesh.get(), n_vertices, n_facets, arrays.vertices.data(), arrays.facets.data()), "ko_mesh_copy");
     return arrays;
 }
 
 inline std::vector<double> signed_distances(const Mesh &mesh, const std::vector<double> &points) {
-    std::vector<double> distances(points.size() / 3);
+    std::vector<double> distances(points.size() / dim_of(mesh));
     check(ko_mesh_signed_distance(mesh.get(), points.data(), distances.size(), distances.data()), "ko_mesh_signed_distance");
     return distances;
 }
@@ -69,6 +87,13 @@ inline std::vector<double> signed_distances(const Mesh &mesh, const std::vector<
 inline Cloud sample(const Mesh &mesh, std::size_t n_points) {
     ko_cloud *cloud = nullptr;
     check(ko_mesh_sample(mesh.get(), n_points, /*seed*/ 1, &cloud), "ko_mesh_sample");
+    return Cloud(cloud);
+}
+
+inline Cloud cloud_from(std::size_t dim, const std::vector<double> &points, const std::vector<double> &normals) {
+    ko_cloud *cloud = nullptr;
+    check(ko_cloud_from_points(static_cast<std::uint32_t>(dim), points.data(), normals.data(), points.size() / dim, &cloud),
+          "ko_cloud_from_points");
     return Cloud(cloud);
 }
 
@@ -95,11 +120,12 @@ inline ko_fit_report report_of(const Field &field) {
 
 inline void eval(const Field &field, const std::vector<double> &points, double *values, double *gradients = nullptr,
                  double *hessians = nullptr) {
-    check(ko_field_eval(field.get(), points.data(), points.size() / 3, values, gradients, hessians), "ko_field_eval");
+    check(ko_field_eval(field.get(), points.data(), points.size() / report_of(field).dim, values, gradients, hessians),
+          "ko_field_eval");
 }
 
 inline std::vector<double> values_of(const Field &field, const std::vector<double> &points) {
-    std::vector<double> values(points.size() / 3);
+    std::vector<double> values(points.size() / report_of(field).dim);
     eval(field, points, values.data());
     return values;
 }

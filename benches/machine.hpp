@@ -3,9 +3,8 @@
 #pragma once
 
 #include "library.hpp"
+#include "oracle.hpp"
 #include "stats.hpp"
-
-#include <CGAL/version.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -28,7 +27,7 @@ inline void print_machine() {
     print("library_version", std::string(ko_version()));
     print("bench_compiler", std::string(BENCH_COMPILER));
     print("bench_flags", std::string(BENCH_FLAGS));
-    print("cgal_version", std::string(CGAL_VERSION_STR));
+    print("cgal_version", std::string(oracle_version()));
     print_count("fit_threads", 1);
 }
 

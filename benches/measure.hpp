@@ -14,20 +14,23 @@ struct OnSurface {
     double mean_gradient = 0;
 };
 
-inline OnSurface on_surface(const Field &field, const std::vector<double> &points) {
-    const std::size_t n = points.size() / 3;
-    std::vector<double> values(n), gradients(3 * n);
+inline OnSurface on_surface(const Field &field, const std::vector<double> &points, double D) {
+    const std::size_t dim = report_of(field).dim, n = points.size() / dim;
+    std::vector<double> values(n), gradients(dim * n);
     eval(field, points, values.data(), gradients.data());
-    const double D = report_of(field).diagonal;
     OnSurface found;
     for (std::size_t i = 0; i < n; ++i) {
-        const double *g = &gradients[3 * i];
-        const double length = std::hypot(g[0], g[1], g[2]);
+        const double *g = &gradients[dim * i];
+        const double length = std::hypot(g[0], g[1], dim == 3 ? g[2] : 0);
         found.phi.add(values[i] / D);
         found.distance.add(values[i] / length / D);
         found.mean_gradient += length / static_cast<double>(n);
     }
     return found;
+}
+
+inline OnSurface on_surface(const Field &field, const std::vector<double> &points) {
+    return on_surface(field, points, report_of(field).diagonal);
 }
 
 // phi against the exact signed distances `exact` of `points`.
@@ -42,7 +45,7 @@ inline Errors off_surface(const Field &field, const std::vector<double> &points,
 // The field's longest cell edge.
 inline double cell_of(const ko_fit_report &field) {
     double longest = 0;
-    for (int k = 0; k < 3; ++k)
+    for (std::uint32_t k = 0; k < field.dim; ++k)
         longest = std::max(longest, (field.box_max[k] - field.box_min[k]) / (field.control_points[k] - 3.0));
     return longest;
 }

@@ -19,44 +19,50 @@ private:
     std::mt19937_64 generator_;
 };
 
-// Points of a surface with the normals of their triangles, both [n x 3].
+// Points of a surface, or of curves in the plane, with the normals of their facets, both [n x dim].
 struct SurfacePoints {
+    std::size_t dim;
     std::vector<double> points, normals;
+
+    std::size_t size() const { return points.size() / dim; }
 };
 
-// `n` points, independent and uniform by area.
-inline SurfacePoints draw_by_area(const Triangles &mesh, std::size_t n, std::uint64_t seed) {
-    struct Corner {
-        std::array<double, 3> a, ab, ac, area;  // area: the triangle's vector area, twice
-    };
-    const auto corner = [&](std::size_t t) {
-        Corner c{};
-        const double *v[3];
-        for (int k = 0; k < 3; ++k) v[k] = &mesh.vertices[3 * mesh.triangles[3 * t + k]];
-        for (int k = 0; k < 3; ++k) c.a[k] = v[0][k], c.ab[k] = v[1][k] - v[0][k], c.ac[k] = v[2][k] - v[0][k];
-        for (int k = 0; k < 3; ++k) {
-            const int i = (k + 1) % 3, j = (k + 2) % 3;
-            c.area[k] = c.ab[i] * c.ac[j] - c.ab[j] * c.ac[i];
-        }
-        return c;
-    };
-    std::vector<double> cumulative(mesh.triangles.size() / 3);
+// The normal of a facet as long as the facet's area (in space twice that) or length.
+inline std::array<double, 3> area_of(const Facets &mesh, std::size_t facet) {
+    const double *a = mesh.vertex(facet, 0), *b = mesh.vertex(facet, 1);
+    if (mesh.dim == 2) return {b[1] - a[1], a[0] - b[0], 0};
+    const double *c = mesh.vertex(facet, 2);
+    std::array<double, 3> area;
+    for (int k = 0; k < 3; ++k) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        area[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
+    }
+    return area;
+}
+
+// `n` points, independent and uniform by area or length.
+inline SurfacePoints draw_by_area(const Facets &mesh, std::size_t n, std::uint64_t seed) {
+    const std::size_t dim = mesh.dim;
+    std::vector<double> cumulative(mesh.size());
     double sum = 0;
-    for (std::size_t t = 0; t < cumulative.size(); ++t) {
-        const auto area = corner(t).area;
-        cumulative[t] = sum += std::hypot(area[0], area[1], area[2]);
+    for (std::size_t f = 0; f < cumulative.size(); ++f) {
+        const auto area = area_of(mesh, f);
+        cumulative[f] = sum += std::hypot(area[0], area[1], area[2]);
     }
     Uniform uniform(seed);
-    SurfacePoints drawn{std::vector<double>(3 * n), std::vector<double>(3 * n)};
+    SurfacePoints drawn{dim, std::vector<double>(dim * n), std::vector<double>(dim * n)};
     for (std::size_t i = 0; i < n; ++i) {
-        // upper_bound passes over triangles without area
+        // upper_bound passes over facets without area
         const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1, uniform() * sum);
-        const Corner c = corner(static_cast<std::size_t>(at - cumulative.begin()));
-        const double root = std::sqrt(uniform()), u = root * (1 - uniform()), v = root - u;
-        const double length = std::hypot(c.area[0], c.area[1], c.area[2]);
-        for (int k = 0; k < 3; ++k) {
-            drawn.points[3 * i + k] = c.a[k] + u * c.ab[k] + v * c.ac[k];
-            drawn.normals[3 * i + k] = c.area[k] / length;
+        const auto facet = static_cast<std::size_t>(at - cumulative.begin());
+        const double root = dim == 2 ? uniform() : std::sqrt(uniform());
+        const double u = dim == 2 ? root : root * (1 - uniform()), v = root - u;
+        const double *a = mesh.vertex(facet, 0), *b = mesh.vertex(facet, 1), *c = mesh.vertex(facet, dim - 1);
+        const auto area = area_of(mesh, facet);
+        const double length = std::hypot(area[0], area[1], area[2]);
+        for (std::size_t k = 0; k < dim; ++k) {
+            drawn.points[dim * i + k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]);
+            drawn.normals[dim * i + k] = area[k] / length;
         }
     }
     return drawn;
@@ -72,9 +78,9 @@ inline std::vector<double> displaced(const SurfacePoints &surface, double distan
 // `n` points, independent and uniform in the field's box.
 inline std::vector<double> draw_in_box(const ko_fit_report &field, std::size_t n, std::uint64_t seed) {
     Uniform uniform(seed);
-    std::vector<double> points(3 * n);
+    std::vector<double> points(field.dim * n);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const double lower = field.box_min[i % 3], upper = field.box_max[i % 3];
+        const double lower = field.box_min[i % field.dim], upper = field.box_max[i % field.dim];
         points[i] = lower + uniform() * (upper - lower);
     }
     return points;

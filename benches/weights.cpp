@@ -48,7 +48,7 @@ struct Shape {
 
 Shape shape_of(const char *name, const std::string &path, Counts grid) {
     const Mesh mesh = read_mesh(path);
-    const SurfacePoints held_out = draw_by_area(triangles_of(mesh), 20000, /*seed*/ 20230601);
+    const SurfacePoints held_out = draw_by_area(facets_of(mesh), 20000, /*seed*/ 20230601);
     Shape shape{name, sample(mesh, 25000), grid, held_out.points, {}, {}};
     const ko_fit_report box = report_of(fit(shape.cloud, options_of(grid)));
     std::copy(box.control_points, box.control_points + 3, shape.grid.begin());

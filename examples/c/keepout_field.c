@@ -1,7 +1,8 @@
 /*
- * Keepout's main job: a mesh in, a smooth field out, with a probe of it and a picture.
+ * Keepout's main job: a mesh or curves in, a smooth field out, with a probe of it and a picture.
  * SPDX-License-Identifier: Apache-2.0 OR MIT
  */
+#include "curves.h"
 #include "failure.h"
 #include "options.h"
 #include "picture.h"
@@ -24,6 +25,8 @@ static bool open_mesh(const struct options *options, ko_mesh **mesh)
 {
     if (options->mesh == NULL)
         return shape_trefoil(mesh);
+    if (curves_are_in(options->mesh))
+        return curves_read(options->mesh, mesh);
     return succeeded(ko_mesh_read(options->mesh, mesh), "reading");
 }
 
@@ -31,9 +34,11 @@ static bool open_mesh(const struct options *options, ko_mesh **mesh)
 static bool check_mesh(ko_mesh *mesh)
 {
     ko_mesh_report report;
-    if (!succeeded(ko_mesh_get_report(mesh, sizeof report, &report), "judging the mesh"))
+    uint32_t dim;
+    if (!succeeded(ko_mesh_get_report(mesh, sizeof report, &report), "judging the mesh") ||
+        !succeeded(ko_mesh_get_dim(mesh, &dim), "judging the mesh"))
         return false;
-    print_mesh_report(&report);
+    print_mesh_report(&report, dim);
     if (!report.closed)
         printf("Warning: the mesh is open. The field goes on across its holes; where it has no inside, signs mean little.\n");
     if (!report.oriented)

@@ -13,9 +13,9 @@ void options_print_help(void)
 {
     printf("usage: keepout_field [MESH] [options]\n"
            "Fits a smooth field to MESH (OBJ, STL, PLY or OFF, also gzipped; without one a trefoil knot that is made here),\n"
-           "probes it and draws a slice of it.\n"
+           "probes it and draws a slice of it. Or, in the plane, to closed curves: an airfoil's .dat, boundaries in .yaml, x, y in .csv.\n"
            "  --points N                 points sampled on the surface (%zu)\n"
-           "  --control-points NX NY NZ  size of the spline, at least 4 each (chosen by the library)\n"
+           "  --control-points NX NY NZ  size of the spline, at least 4 each (chosen by the library); in the plane NZ is ignored\n"
            "  --inside                   the design stays inside the shape: phi > 0 there\n"
            "  --seed S                   seed of the sampling (%" PRIu64 ")\n"
            "  --threads N                threads, 0 for all cores (%" PRIu32 ")\n"

@@ -15,8 +15,8 @@ static double extent(const ko_fit_report *report, int axis)
 /* Looks against the shortest axis, so that the others lie as in a right-handed frame. */
 static void choose_plane(const ko_fit_report *report, int longest, struct slice *slice)
 {
-    int shortest = 2;
-    for (int k = 1; k >= 0; --k)
+    int shortest = 2; /* stays so in the plane */
+    for (int k = 1; k >= 0 && report->dim == 3; --k)
         if (extent(report, k) < extent(report, shortest))
             shortest = k;
     slice->right = (shortest + 1) % 3;
@@ -27,14 +27,16 @@ static void choose_plane(const ko_fit_report *report, int longest, struct slice 
     slice->height = (int)ceil(height / slice->pixel);
 }
 
+/* `points` [dim * width * height] */
 static void place_points(const ko_fit_report *report, const struct slice *slice, double *points)
 {
+    const uint32_t dim = report->dim;
     double middle[3];
     for (int k = 0; k < 3; ++k)
         middle[k] = 0.5 * (report->box_min[k] + report->box_max[k]);
     for (int y = 0; y < slice->height; ++y) {
-        for (int x = 0; x < slice->width; ++x, points += 3) {
-            for (int k = 0; k < 3; ++k)
+        for (int x = 0; x < slice->width; ++x, points += dim) {
+            for (uint32_t k = 0; k < dim; ++k)
                 points[k] = middle[k];
             points[slice->right] += (x + 0.5 - 0.5 * slice->width) * slice->pixel;
             points[slice->up] -= (y + 0.5 - 0.5 * slice->height) * slice->pixel;
@@ -42,12 +44,12 @@ static void place_points(const ko_fit_report *report, const struct slice *slice,
     }
 }
 
-/* Keeps of the gradients [3 * n] what the picture needs. */
-static void summarise(const double *gradients, size_t n, struct slice *slice)
+/* Keeps of the gradients [dim * n] what the picture needs. */
+static void summarise(const double *gradients, uint32_t dim, size_t n, struct slice *slice)
 {
     slice->min = slice->max = slice->values[0];
     for (size_t i = 0; i < n; ++i) {
-        slice->slopes[i] = hypot(gradients[3 * i + slice->right], gradients[3 * i + slice->up]);
+        slice->slopes[i] = hypot(gradients[dim * i + (size_t)slice->right], gradients[dim * i + (size_t)slice->up]);
         slice->min = fmin(slice->min, slice->values[i]);
         slice->max = fmax(slice->max, slice->values[i]);
     }
@@ -59,8 +61,8 @@ bool slice_take(const ko_field *field, const ko_fit_report *report, int longest,
 {
     choose_plane(report, longest, slice);
     const size_t n = (size_t)slice->width * (size_t)slice->height;
-    double *points = malloc(3 * n * sizeof *points);
-    double *gradients = malloc(3 * n * sizeof *gradients);
+    double *points = malloc(report->dim * n * sizeof *points);
+    double *gradients = malloc(report->dim * n * sizeof *gradients);
     slice->values = malloc(n * sizeof *slice->values);
     slice->slopes = malloc(n * sizeof *slice->slopes);
     bool ok = points != NULL && gradients != NULL && slice->values != NULL && slice->slopes != NULL;
@@ -71,7 +73,7 @@ bool slice_take(const ko_field *field, const ko_fit_report *report, int longest,
         fprintf(stderr, "keepout_field: no memory for a slice of %zu points\n", n);
     }
     if (ok)
-        summarise(gradients, n, slice);
+        summarise(gradients, report->dim, n, slice);
     free(points);
     free(gradients);
     return ok;

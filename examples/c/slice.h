@@ -1,11 +1,11 @@
-/* A field on a plane through the middle of its box. SPDX-License-Identifier: Apache-2.0 OR MIT */
+/* A field on a plane through the middle of its box, or, in the plane, on all of it. SPDX-License-Identifier: Apache-2.0 OR MIT */
 #ifndef SLICE_H
 #define SLICE_H
 
 #include <keepout.h>
 #include <stdbool.h>
 
-/* The plane of the box's two longest extents; one sample a pixel, rows from the top. */
+/* The plane of the box's two longest extents, or x to the right and y up of a field of the plane; one sample a pixel, rows from the top. */
 struct slice {
     int right, up;     /* axes of the picture */
     int width, height; /* pixels */

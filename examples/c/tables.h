@@ -5,7 +5,8 @@
 #include <keepout.h>
 #include <stdbool.h>
 
-void print_mesh_report(const ko_mesh_report *report);
+/* `dim` 2: of curves in the plane. */
+void print_mesh_report(const ko_mesh_report *report, uint32_t dim);
 
 void print_fit_report(const ko_fit_report *report);
 
