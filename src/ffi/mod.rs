@@ -18,6 +18,7 @@ mod normals;
 mod pointer;
 mod progress;
 mod report;
+mod smooth;
 mod status;
 mod version;
 
@@ -29,5 +30,6 @@ pub use mesh::*;
 pub use normals::*;
 pub use progress::*;
 pub use report::*;
+pub use smooth::*;
 pub use status::*;
 pub use version::*;

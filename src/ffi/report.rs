@@ -132,6 +132,9 @@ pub struct ko_fit_report {
     pub mean_gradient: f64,
     /// Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
     pub n_outliers: u64,
+    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for open ones, of
+    /// which `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
+    pub clear_sides: f64,
 }
 
 // SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
@@ -171,6 +174,7 @@ impl ko_fit_report {
             max: r.max,
             mean_gradient: r.mean_gradient,
             n_outliers: r.n_outliers,
+            clear_sides: r.clear_sides,
         };
         // SAFETY: the caller's promise.
         unsafe { write_sized(to, size, report, "report") }

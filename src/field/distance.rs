@@ -27,15 +27,25 @@ use crate::spline::centers::{Centers, taps};
 /// Distance from the surface, in cells, from which on the term counts.
 const NEAREST: f64 = 1.0;
 
+/// s from which on a cell's side is clear: |t - 2 W| is a half.
+const CLEAR: f64 = 0.25;
+
 /// Distances to hold far from the surface, a cell each.
 pub struct FarDistances {
     /// s / number of cells, 0 for near cells [cells]
     share: Vec<f64>,
     /// d, in units of D [cells]
     distance: Vec<f64>,
+    /// The part of the far cells whose side is clear; 1 where there is none.
+    clear: f64,
 }
 
 impl FarDistances {
+    /// The part of the far cells on whose side of the cloud there is no doubt: 1 for closed shapes.
+    pub fn clear(&self) -> f64 {
+        self.clear
+    }
+
     /// The distances to `cloud`, positive where its normals point to, at the centres of the cells of `grid`; both in units of D.
     /// `tell` is told the fraction done, and may stop.
     pub fn new<const D: usize>(
@@ -74,12 +84,17 @@ impl FarDistances {
         }
         // From here on, d is signed by the nearest normal, and W stands in the place of s.
         let t = turn(distance.iter().zip(&share).filter(|(d, _)| d.abs() > near));
+        let (mut n_far, mut n_clear) = (0u64, 0u64);
         for (d, s) in distance.iter_mut().zip(&mut share).filter(|(d, _)| d.abs() > near) {
             let clear = t - 2.0 * *s;
             *d = d.copysign(clear);
-            *s = (clear * clear).min(1.0) / n as f64;
+            let size = (clear * clear).min(1.0);
+            *s = size / n as f64;
+            n_far += 1;
+            n_clear += u64::from(size >= CLEAR);
         }
-        Ok(FarDistances { share, distance })
+        let clear = if n_far == 0 { 1.0 } else { n_clear as f64 / n_far as f64 };
+        Ok(FarDistances { share, distance, clear })
     }
 }
 
@@ -115,7 +130,7 @@ pub struct DistanceTerm<const D: usize = 3> {
 impl<const D: usize> DistanceTerm<D> {
     /// The term with weight `lambda_d` on `grid`.
     pub fn new(far: FarDistances, grid: &Grid<D>, lambda_d: f64) -> Result<Self> {
-        let FarDistances { share: mut mass, distance } = far;
+        let FarDistances { share: mut mass, distance, .. } = far;
         mass.iter_mut().for_each(|m| *m *= lambda_d);
         let values = try_vec(mass.len(), 0.0, "the far values")?;
         Ok(DistanceTerm { centers: Centers::new(grid)?, mass, distance, values })

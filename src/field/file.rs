@@ -229,6 +229,7 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         n_points,
         n_unknowns: control_points[..dimension].iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c))),
         n_outliers,
+        clear_sides: f64::NAN,
         iterations,
         residual: at.f64(),
         seconds_assembly: at.f64(),

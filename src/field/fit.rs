@@ -110,6 +110,7 @@ fn fit_on<const D: usize>(
         control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
         n_points: cloud.len() as u64,
         n_unknowns: grid.n_control() as u64,
+        clear_sides: f64::NAN,
         ..FitReport::default()
     };
 
@@ -210,6 +211,7 @@ impl<const D: usize> Fitting<'_, D> {
         if self.options.distance_weight > 0.0 {
             let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
             let far = FarDistances::new(self.energy.data().counted()?, self.energy.grid(), self.workers, tell)?;
+            self.report.clear_sides = far.clear();
             self.energy.hold(far, self.options.distance_weight)?;
         }
         self.report.seconds_assembly += self.lap();

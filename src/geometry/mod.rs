@@ -13,6 +13,7 @@
 //! | van Oosterom and Strackee 1983, (8), solid angle | `triangle::solid_angle` |
 //! | Jacobson et al. 2013, winding number | `winding::Winding::exact` |
 //! | Barill et al. 2018, its far field; winding number of a cloud | `winding::Moments::far_field`; [`surfels`] |
+//! | how far the sides of an open shape mean something, after paper 000 (2) | [`sides`] |
 //! | Wald 2007, binned surface area heuristic | `bvh` |
 //! | paper 000, section 4.5, smoothing; Alexa et al. 2003, moving least squares | [`smooth`] |
 //! | Morton 1966, Z curve | `morton` |
@@ -53,6 +54,7 @@ pub mod report;
 pub mod sample;
 mod segment;
 pub mod shapes;
+pub mod sides;
 pub mod smooth;
 pub mod surfels;
 mod triangle;
@@ -69,3 +71,4 @@ pub use mesh::Mesh;
 pub use polylines::Ends;
 pub use read::read;
 pub use report::MeshReport;
+pub use sides::Sides;
