@@ -132,6 +132,118 @@ static void planes() {
     THROWS(keepout::Mesh::from_polylines(frame_points, std::array<std::size_t, 2>{4, 0}), KO_ERR_INVALID_ARGUMENT, "start");
 }
 
+/// The curves of a mesh of the plane, and files of meshes.
+static void meshes_are_given_away() {
+    const keepout::Mesh::Curves curves = frame().polylines();
+    CHECK(curves.points == frame_points);
+    CHECK((curves.loop_starts == std::vector<std::size_t>{0, 4} && curves.closed == std::vector<std::uint8_t>{1, 1}));
+    THROWS(cube().polylines(), KO_ERR_INVALID_ARGUMENT, "");
+    cube().write("hpp.ply");
+    CHECK(keepout::Mesh::read("hpp.ply").vertices() == cube().vertices());
+    CHECK(std::remove("hpp.ply") == 0);
+    THROWS(cube().write("hpp.txt"), KO_ERR_UNSUPPORTED, "hpp.txt");
+}
+
+static void normals_are_estimated() {
+    for (const std::uint32_t dim : {2u, 3u}) {
+        const std::size_t n = 400;
+        double *shape = dim == 2 ? check_circle_points(n) : check_sphere_points(n);
+        std::vector<double> points(shape, shape + dim * n);
+        std::free(shape);
+        points.insert(points.end(), points.begin(), points.begin() + dim);
+        double last = -1.0;
+        keepout::NormalOptions options;
+        options.n_threads = 1;
+        options.on_progress = [&](double fraction, const char *) {
+            last = fraction;
+            return keepout::Progress::go_on;
+        };
+        const keepout::Cloud::Estimate found = keepout::Cloud::estimate_normals(points, dim, options);
+        CHECK(last == 1.0 && found.cloud.dim() == dim && found.cloud.points() == points);
+        CHECK(found.report.n_copies == 1 && found.report.agreement > 0.9 && found.flags.size() == n + 1);
+        CHECK(found.flags[n] == KO_POINT_COPY && found.flags[0] == 0);
+        const std::vector<double> normals = found.cloud.normals();
+        for (std::size_t i = 0; i < points.size(); i++) {
+            CHECK_NEAR(normals[i], points[i], 0.2);
+        }
+        CHECK(keepout::Cloud::from_points(points, dim).normals() == normals);
+        options.on_progress = [](double, const char *) { return keepout::Progress::cancel; };
+        THROWS(keepout::Cloud::estimate_normals(points, dim, options), KO_ERR_CANCELLED, "cancelled");
+    }
+    THROWS(keepout::Cloud::estimate_normals(std::vector<double>(7)), KO_ERR_INVALID_ARGUMENT, "points has 7 numbers");
+}
+
+/// A field goes on to a cloud nearby, and comes back from its control points.
+static void fields_are_made_of_fields() {
+    const keepout::Cloud cloud = cube().sample(500, 1);
+    const keepout::Field field = keepout::Field::fit(cloud, small_fit());
+    const keepout::Field again = field.refit(cloud, small_fit());
+    CHECK(2 * again.report().iterations < field.report().iterations && again.report().n_unknowns == 512);
+    THROWS(field.refit(frame().sample(100, 1), small_fit()), KO_ERR_INVALID_ARGUMENT, "dim");
+
+    const ko_fit_report report = field.report();
+    const std::vector<double> control_points = field.control_points();
+    const keepout::Field made = keepout::Field::from_control_points(report.control_points, report.box_min, report.box_max,
+                                                                    report.feasible, report.diagonal, control_points);
+    CHECK(made.dim() == 3 && made.control_points() == control_points);
+    const double origin[3] = {0, 0, 0};
+    CHECK_NEAR(made.values({origin, 3})[0], field.values({origin, 3})[0], 1e-12);
+    THROWS(keepout::Field::from_control_points(report.control_points, {origin, 2}, report.box_max, 0, 1.0, control_points),
+           KO_ERR_INVALID_ARGUMENT, "box_min has room for 2");
+}
+
+static void lattices_are_evaluated() {
+    const keepout::Field field = keepout::Field::fit(cube().sample(500, 1), small_fit());
+    const std::array<double, 3> origin{-1, -1, 0.2};
+    const std::array<double, 6> steps{0.5, 0, 0.1, 0, 0.25, 0};
+    const std::array<std::size_t, 2> counts{3, 4};
+    std::vector<double> points, values(12), gradients(36);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 4; j++) {
+            points.insert(points.end(), {-1 + 0.5 * i, -1 + 0.25 * j, 0.2 + 0.1 * i});
+        }
+    }
+    field.eval_lattice(2, origin, steps, counts, values, gradients);
+    const keepout::Field::Evaluation right = field.eval(points);
+    for (int i = 0; i < 12; i++) {
+        CHECK_NEAR(values[i], right.values[i], 1e-12);
+        CHECK_NEAR(gradients[3 * i + 1], right.gradients[3 * i + 1], 1e-12);
+    }
+    THROWS(field.eval_lattice(1, origin, steps, counts, gradients), KO_ERR_INVALID_ARGUMENT, "values has room for 36 entries; 12");
+    THROWS(field.eval_lattice(1, origin, origin, counts, values), KO_ERR_INVALID_ARGUMENT, "steps has room for 3");
+    THROWS(field.eval_lattice(1, origin, {}, {}, {}), KO_ERR_INVALID_ARGUMENT, "");
+}
+
+static void level_sets_are_meshes() {
+    keepout::FitOptions wide_box = small_fit();
+    wide_box.margin = 0.5;
+    const keepout::Field field = keepout::Field::fit(cube().sample(500, 1), wide_box);
+    keepout::LevelSetOptions options;
+    double last = -1.0;
+    options.on_progress = [&](double fraction, const char *) {
+        last = fraction;
+        return keepout::Progress::go_on;
+    };
+    const keepout::Field::LevelSet zero = field.level_set(0.0, options);
+    CHECK(last == 1.0 && !zero.open_at_box && zero.mesh.report().closed == 1);
+    for (const double value : field.values(zero.mesh.vertices())) {
+        CHECK_NEAR(value, 0.0, 1e-8);
+    }
+    const keepout::Field::LevelSet wide = field.level_set(0.6);
+    CHECK(wide.open_at_box && wide.mesh.report().closed == 0);
+    THROWS(field.level_set(100.0), KO_ERR_DEGENERATE, "");
+    options.on_progress = [](double, const char *stage) -> keepout::Progress { throw std::out_of_range(stage); };
+    bool caught = false;
+    try {
+        field.level_set(0.0, options);
+    } catch (const std::out_of_range &) {
+        caught = true;
+    }
+    CHECK(caught);
+    const keepout::Field::LevelSet curves = keepout::Field::fit(frame().sample(400, 1)).level_set(0.0);
+    CHECK(!curves.open_at_box && curves.mesh.polylines().closed.size() == 2);
+}
+
 /// Weights leave points out, and a robust fit finds them by itself.
 static void clouds_are_not_trusted_alike() {
     const keepout::Cloud whole = cube().sample(400, 1);
@@ -217,6 +329,11 @@ int main() {
     meshes_and_clouds();
     fields();
     planes();
+    meshes_are_given_away();
+    normals_are_estimated();
+    fields_are_made_of_fields();
+    lattices_are_evaluated();
+    level_sets_are_meshes();
     clouds_are_not_trusted_alike();
     versions_are_told();
     errors_are_exceptions();

@@ -14,6 +14,7 @@ module keepout_c
   implicit none
 
   integer(c_int32_t), parameter :: KO_OK = 0
+  integer(c_int32_t), parameter :: KO_OPEN_AT_BOX = 1
   integer(c_int32_t), parameter :: KO_ERR_INVALID_ARGUMENT = -1
   integer(c_int32_t), parameter :: KO_ERR_OUT_OF_MEMORY = -2
   integer(c_int32_t), parameter :: KO_ERR_IO = -3
@@ -27,6 +28,11 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_MODULE_ABI_VERSION = 0
   integer(c_int64_t), parameter :: KO_CAPABILITY_3D = 1
   integer(c_int64_t), parameter :: KO_CAPABILITY_GZIP = 2
+  integer(c_int64_t), parameter :: KO_CAPABILITY_2D = 4
+  integer(c_int8_t), parameter :: KO_POINT_COPY = 1
+  integer(c_int8_t), parameter :: KO_POINT_OUTLIER = 2
+  integer(c_int8_t), parameter :: KO_POINT_DEGENERATE = 4
+  integer(c_int8_t), parameter :: KO_POINT_DOUBTFUL = 8
   integer(c_int32_t), parameter :: KO_FEASIBLE_OUTSIDE = 0
   integer(c_int32_t), parameter :: KO_FEASIBLE_INSIDE = 1
   integer(c_int32_t), parameter :: KO_REWEIGHT_LARGEST = 0
@@ -51,6 +57,28 @@ module keepout_c
     real(c_double) :: bounds_max(3)
     real(c_double) :: area
     real(c_double) :: volume
+  end type
+
+  ! Made by keepout_normal_options() with the defaults.
+  type, bind(c) :: ko_normal_options
+    integer(c_size_t) :: struct_size
+    integer(c_int32_t) :: neighbours
+    integer(c_int32_t) :: n_threads
+    real(c_double) :: outlier_factor
+    integer(c_int64_t) :: memory_limit
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  type, bind(c) :: ko_normal_report
+    integer(c_size_t) :: struct_size
+    integer(c_int64_t) :: n_components
+    integer(c_int64_t) :: n_copies
+    integer(c_int64_t) :: n_outliers
+    integer(c_int64_t) :: n_degenerate
+    integer(c_int64_t) :: n_doubtful
+    real(c_double) :: agreement
+    real(c_double) :: seconds
   end type
 
   ! Made by keepout_fit_options() with the defaults.
@@ -94,6 +122,19 @@ module keepout_c
     real(c_double) :: max
     real(c_double) :: mean_gradient
     integer(c_int64_t) :: n_outliers
+  end type
+
+  ! Made by keepout_level_set_options() with the defaults.
+  type, bind(c) :: ko_level_set_options
+    integer(c_size_t) :: struct_size
+    integer(c_int32_t) :: subdivisions
+    integer(c_int32_t) :: n_threads
+    real(c_double) :: shortest_edge
+    integer(c_int32_t) :: relaxations
+    integer(c_int32_t) :: reserved
+    integer(c_int64_t) :: memory_limit
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
   end type
 
   abstract interface
@@ -140,6 +181,13 @@ module keepout_c
       import
       character(kind=c_char), intent(in) :: path(*)
       type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_write(mesh, path) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      character(kind=c_char), intent(in) :: path(*)
       integer(c_int32_t) :: status
     end function
 
@@ -191,6 +239,25 @@ module keepout_c
       integer(c_size_t), value :: n_triangles
       type(c_ptr), value :: vertices
       type(c_ptr), value :: triangles
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_get_polylines_size(mesh, n_points, n_loops) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), intent(inout) :: n_points
+      integer(c_size_t), intent(inout) :: n_loops
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_copy_polylines(mesh, n_points, n_loops, points, loop_starts, closed) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), value :: n_points
+      integer(c_size_t), value :: n_loops
+      type(c_ptr), value :: points
+      type(c_ptr), value :: loop_starts
+      type(c_ptr), value :: closed
       integer(c_int32_t) :: status
     end function
 
@@ -281,6 +348,27 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
+    function ko_normal_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_normal_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_estimate_normals(dim, points, n_points, options, cloud, flags, report_size, report) &
+      bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      type(ko_normal_options), intent(in) :: options
+      type(c_ptr), intent(out) :: cloud
+      type(c_ptr), value :: flags
+      integer(c_size_t), value :: report_size
+      type(c_ptr), value :: report
+      integer(c_int32_t) :: status
+    end function
+
     function ko_fit_options_init(options, struct_size) bind(c) result(status)
       import
       type(ko_fit_options), intent(inout) :: options
@@ -293,6 +381,38 @@ module keepout_c
       type(c_ptr), value :: cloud
       type(ko_fit_options), intent(in) :: options
       type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_refit(start, cloud, options, field) bind(c) result(status)
+      import
+      type(c_ptr), value :: start
+      type(c_ptr), value :: cloud
+      type(ko_fit_options), intent(in) :: options
+      type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_from_control_points(dim, counts, box_min, box_max, feasible, diagonal, &
+      control_points, n_control_points, field) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      integer(c_int32_t), intent(in) :: counts(*)
+      real(c_double), intent(in) :: box_min(*)
+      real(c_double), intent(in) :: box_max(*)
+      integer(c_int32_t), value :: feasible
+      real(c_double), value :: diagonal
+      real(c_double), intent(in) :: control_points(*)
+      integer(c_size_t), value :: n_control_points
+      type(c_ptr), intent(out) :: field
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_get_control_points(field, n_control_points, control_points) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      integer(c_size_t), value :: n_control_points
+      real(c_double), intent(inout) :: control_points(*)
       integer(c_int32_t) :: status
     end function
 
@@ -315,6 +435,20 @@ module keepout_c
       type(c_ptr), value :: values
       type(c_ptr), value :: gradients
       type(c_ptr), value :: hessians
+      integer(c_int32_t), value :: n_threads
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_eval_lattice(field, origin, steps, counts, n_steps, values, gradients, n_threads) &
+      bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      real(c_double), intent(in) :: origin(*)
+      real(c_double), intent(in) :: steps(*)
+      integer(c_size_t), intent(in) :: counts(*)
+      integer(c_int32_t), value :: n_steps
+      type(c_ptr), value :: values
+      type(c_ptr), value :: gradients
       integer(c_int32_t), value :: n_threads
       integer(c_int32_t) :: status
     end function
@@ -354,14 +488,30 @@ module keepout_c
       import
       type(c_ptr), value :: field
     end subroutine
+
+    function ko_level_set_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_level_set_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_level_set(field, level, options, mesh) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      real(c_double), value :: level
+      type(ko_level_set_options), intent(in) :: options
+      type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
   end interface
 end module
 
 ! Handles. A keepout_mesh, _cloud or _field is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
 !   freed by free() or when it goes out of scope. It has one owner: assigning one ends the program; move_alloc moves one that is
 !   allocatable.
-! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK or one of KO_ERR_..., errmsg is set
-!   on failure. A call that fails without stat ends the program with its message.
+! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX) or one of
+!   KO_ERR_..., errmsg is set on failure. A call that fails without stat ends the program with its message.
 ! Threads. As in C: calls that take their handle as intent(in) may be made at once from any number of threads.
 module keepout
   use keepout_c
@@ -382,6 +532,7 @@ module keepout
     integer(c_size_t), private :: triangles = 0
   contains
     procedure :: read => mesh_read
+    procedure :: write => mesh_write
     procedure :: from_triangles => mesh_from_triangles
     procedure :: from_polylines => mesh_from_polylines
     procedure :: free => mesh_free
@@ -389,6 +540,7 @@ module keepout
     procedure :: n_vertices => mesh_n_vertices
     procedure :: n_triangles => mesh_n_triangles
     procedure :: copy => mesh_copy
+    procedure :: copy_polylines => mesh_copy_polylines
     procedure :: report => mesh_report
     procedure :: flip => mesh_flip
     procedure :: sample => mesh_sample
@@ -406,6 +558,7 @@ module keepout
     integer(c_size_t), private :: points = 0
   contains
     procedure :: from_points => cloud_from_points
+    procedure :: estimate_normals => cloud_estimate_normals
     procedure :: free => cloud_free
     procedure :: dim => cloud_dim
     procedure :: n_points => cloud_n_points
@@ -424,13 +577,18 @@ module keepout
     integer, private :: width = 0
   contains
     procedure :: fit => field_fit
+    procedure :: refit => field_refit
+    procedure :: from_control_points => field_from_control_points
     procedure :: load => field_load
     procedure :: save => field_save
     procedure :: free => field_free
     procedure :: dim => field_dim
     procedure :: report => field_report
+    procedure :: control_points => field_control_points
     procedure :: eval => field_eval
     procedure :: eval_parallel => field_eval_parallel
+    procedure :: eval_lattice => field_eval_lattice
+    procedure :: level_set => field_level_set
     procedure :: outside_box => field_outside_box
     procedure :: c_handle => field_c_handle
     procedure, private :: field_assign
@@ -471,6 +629,8 @@ module keepout
   private :: keepout_strlen, from_c, to_c, settle, conclude, refuse, right_shape, right_size, mesh_adopt, cloud_adopt, field_adopt
   private :: mesh_read, mesh_from_triangles, mesh_from_polylines, mesh_free, mesh_dim, mesh_n_vertices, mesh_n_triangles, mesh_copy
   private :: mesh_report, mesh_flip, mesh_sample, mesh_signed_distance, mesh_c_handle, mesh_assign, mesh_final
+  private :: mesh_write, mesh_copy_polylines, cloud_estimate_normals, field_refit, field_from_control_points, field_control_points
+  private :: field_eval_lattice, field_level_set, listen
   private :: cloud_from_points, cloud_free, cloud_dim, cloud_n_points, cloud_copy, cloud_copy_origins, cloud_set_weights
   private :: cloud_c_handle, cloud_assign, cloud_final
   private :: field_fit, field_load, field_save, field_free, field_dim, field_report, field_eval, field_eval_parallel
@@ -499,10 +659,22 @@ contains
     version = from_c(ko_version())
   end function
 
-  ! Options with the defaults.
+  ! Options of fits with the defaults.
   function keepout_fit_options() result(options)
     type(ko_fit_options) :: options
     call settle(ko_fit_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of estimates of normals with the defaults.
+  function keepout_normal_options() result(options)
+    type(ko_normal_options) :: options
+    call settle(ko_normal_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of level sets with the defaults.
+  function keepout_level_set_options() result(options)
+    type(ko_level_set_options) :: options
+    call settle(ko_level_set_options_init(options, c_sizeof(options)))
   end function
 
   ! ---- Meshes
@@ -518,6 +690,15 @@ contains
     status = ko_mesh_read(to_c(path), handle)
     if (status >= KO_OK) call mesh_adopt(self, handle)
     call settle(status, stat, errmsg)
+  end subroutine
+
+  ! To the file `path`, whose ending names the format: .obj, .off, .ply or .stl. Blanks at the end of `path` do not count.
+  subroutine mesh_write(self, path, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    character(len=*), intent(in) :: path
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_mesh_write(self%handle, to_c(path)), stat, errmsg)
   end subroutine
 
   ! From vertices (3, n_vertices) and triangles (3, n_triangles), indices from 0, counter-clockwise seen from outside.
@@ -592,6 +773,26 @@ contains
     call settle(ko_mesh_copy(self%handle, self%vertices, self%triangles, c_loc(vertices), c_loc(triangles)), stat, errmsg)
   end subroutine
 
+  ! Allocates and fills points (2, n) with the curves that the segments of a mesh of the plane make: polyline i begins at
+  ! loop_starts(i), counted from 0, and goes back to its first point where closed(i) is 1, else 0. Open ones come first.
+  subroutine mesh_copy_polylines(self, points, loop_starts, closed, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    real(c_double), allocatable, target, intent(out) :: points(:, :)
+    integer(c_size_t), allocatable, target, intent(out) :: loop_starts(:)
+    integer(c_int8_t), allocatable, target, intent(out) :: closed(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer(c_size_t) :: n_points, n_loops
+    integer(c_int32_t) :: status
+    n_points = 0
+    n_loops = 0
+    status = ko_mesh_get_polylines_size(self%handle, n_points, n_loops)
+    allocate (points(2, n_points), loop_starts(n_loops), closed(n_loops))
+    if (status >= KO_OK) status = ko_mesh_copy_polylines(self%handle, n_points, n_loops, c_loc(points), c_loc(loop_starts), &
+      c_loc(closed))
+    call settle(status, stat, errmsg)
+  end subroutine
+
   ! What can be said of the mesh.
   subroutine mesh_report(self, report, stat, errmsg)
     class(keepout_mesh), intent(in) :: self
@@ -647,17 +848,56 @@ contains
 
   ! ---- Clouds
 
-  ! From points (dim, n) and normals (dim, n) out of the solid, dim 2 or 3.
+  ! From points (dim, n) and normals (dim, n) out of the solid, dim 2 or 3. Without normals they are estimated by the defaults.
   subroutine cloud_from_points(self, points, normals, stat, errmsg)
     class(keepout_cloud), intent(inout) :: self
     real(c_double), intent(in), contiguous :: points(:, :)
-    real(c_double), intent(in), contiguous, target :: normals(:, :)
+    real(c_double), intent(in), contiguous, target, optional :: normals(:, :)
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
-    type(c_ptr) :: handle
+    type(c_ptr) :: handle, given
     integer(c_int32_t) :: status
-    if (.not. right_shape("normals", shape(normals), shape(points), stat, errmsg)) return
-    status = ko_cloud_from_points(size(points, 1, c_int32_t), points, c_loc(normals), size(points, 2, c_size_t), handle)
+    given = c_null_ptr
+    if (present(normals)) then
+      if (.not. right_shape("normals", shape(normals), shape(points), stat, errmsg)) return
+      given = c_loc(normals)
+    end if
+    status = ko_cloud_from_points(size(points, 1, c_int32_t), points, given, size(points, 2, c_size_t), handle)
+    if (status >= KO_OK) call cloud_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! From points (dim, n) that come without normals, dim 2 or 3. Allocates and fills flags (n), each an or of KO_POINT_ bits; `report`
+  ! is what was found, and `listener` is told of progress, on this thread.
+  subroutine cloud_estimate_normals(self, points, options, listener, flags, report, stat, errmsg)
+    class(keepout_cloud), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    type(ko_normal_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int8_t), allocatable, target, intent(out), optional :: flags(:)
+    type(ko_normal_report), target, intent(out), optional :: report
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_normal_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle, to(2)
+    integer(c_size_t) :: report_size
+    integer(c_int32_t) :: status
+    plain = keepout_normal_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    to = c_null_ptr
+    report_size = 0
+    if (present(flags)) then
+      allocate (flags(size(points, 2)))
+      to(1) = c_loc(flags)
+    end if
+    if (present(report)) then
+      to(2) = c_loc(report)
+      report_size = c_sizeof(report)
+    end if
+    status = ko_cloud_estimate_normals(size(points, 1, c_int32_t), points, size(points, 2, c_size_t), plain, handle, to(1), &
+      report_size, to(2))
     if (status >= KO_OK) call cloud_adopt(self, handle)
     call settle(status, stat, errmsg)
   end subroutine
@@ -735,14 +975,63 @@ contains
     integer(c_int32_t) :: status
     plain = keepout_fit_options()
     if (present(options)) plain = options
-    if (present(listener)) then
-      box%listener => listener
-      plain%progress = c_funloc(pass_on)
-      plain%progress_data = c_loc(box)
-    end if
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
     status = ko_field_fit(cloud%handle, plain, handle)
     if (status >= KO_OK) call field_adopt(self, handle)
     call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The same on the box of `start`, from its control points on; `start` stays as it is.
+  subroutine field_refit(self, start, cloud, options, listener, stat, errmsg)
+    class(keepout_field), intent(inout) :: self
+    type(keepout_field), intent(in) :: start
+    type(keepout_cloud), intent(in) :: cloud
+    type(ko_fit_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_fit_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_fit_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    status = ko_field_refit(start%handle, cloud%handle, plain, handle)
+    if (status >= KO_OK) call field_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Of control points, as many as the product of counts (dim), the last axis fastest, on the box from box_min (dim) to box_max (dim);
+  ! `feasible` is KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE, `diagonal` the D that the report shall have.
+  subroutine field_from_control_points(self, counts, box_min, box_max, feasible, diagonal, control_points, stat, errmsg)
+    class(keepout_field), intent(inout) :: self
+    integer(c_int32_t), intent(in), contiguous :: counts(:)
+    real(c_double), intent(in), contiguous :: box_min(:), box_max(:)
+    integer(c_int32_t), intent(in) :: feasible
+    real(c_double), intent(in) :: diagonal
+    real(c_double), intent(in), contiguous :: control_points(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    if (.not. right_size("box_min", "entries", size(box_min), size(counts), stat, errmsg)) return
+    if (.not. right_size("box_max", "entries", size(box_max), size(counts), stat, errmsg)) return
+    status = ko_field_from_control_points(size(counts, 1, c_int32_t), counts, box_min, box_max, feasible, diagonal, &
+      control_points, size(control_points, 1, c_size_t), handle)
+    if (status >= KO_OK) call field_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Puts `listener` into a box, and the box into the options of a call.
+  subroutine listen(box, listener, progress, progress_data)
+    type(listener_box), target, intent(inout) :: box
+    class(keepout_listener), target, intent(inout) :: listener
+    type(c_funptr), intent(out) :: progress
+    type(c_ptr), intent(out) :: progress_data
+    box%listener => listener
+    progress = c_funloc(pass_on)
+    progress_data = c_loc(box)
   end subroutine
 
   ! Stands between C and a listener.
@@ -801,6 +1090,21 @@ contains
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
     call settle(ko_field_get_report(self%handle, c_sizeof(report), report), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills control_points (n), the last axis fastest; the report tells how many there are along each axis.
+  subroutine field_control_points(self, control_points, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    real(c_double), allocatable, intent(out) :: control_points(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_fit_report) :: report
+    integer(c_int32_t) :: status
+    status = ko_field_get_report(self%handle, c_sizeof(report), report)
+    if (status < KO_OK) report%n_unknowns = 0
+    allocate (control_points(report%n_unknowns))
+    if (status >= KO_OK) status = ko_field_get_control_points(self%handle, size(control_points, 1, c_size_t), control_points)
+    call settle(status, stat, errmsg)
   end subroutine
 
   ! Evaluates at points (dim, n) into values (n), gradients (dim, n) and hessians, (6, n: xx xy xz yy yz zz) in space and
@@ -864,6 +1168,60 @@ contains
       to(3) = c_loc(hessians)
     end if
   end function
+
+  ! Evaluates at the points of a lattice, origin (dim) plus multiples, below counts (k), of steps (dim, k), 1 <= k <= dim, on
+  ! `n_threads` threads (0: all cores), into values (n) and gradients (dim, n), n the product of the counts, the last index fastest.
+  subroutine field_eval_lattice(self, n_threads, origin, steps, counts, values, gradients, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    integer, intent(in) :: n_threads
+    real(c_double), intent(in), contiguous :: origin(:), steps(:, :)
+    integer, intent(in) :: counts(:)
+    real(c_double), intent(inout), contiguous, target, optional :: values(:)
+    real(c_double), intent(inout), contiguous, target, optional :: gradients(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: to(2)
+    integer :: n
+    to = c_null_ptr
+    n = product(max(counts, 0))
+    ! Without a handle the call itself fails.
+    if (self%width > 0) then
+      if (.not. right_size("origin", "entries", size(origin), self%width, stat, errmsg)) return
+      if (.not. right_shape("steps", shape(steps), [self%width, size(counts)], stat, errmsg)) return
+      if (present(values)) then
+        if (.not. right_size("values", "entries", size(values), n, stat, errmsg)) return
+        if (n > 0) to(1) = c_loc(values)
+      end if
+      if (present(gradients)) then
+        if (.not. right_shape("gradients", shape(gradients), [self%width, n], stat, errmsg)) return
+        if (n > 0) to(2) = c_loc(gradients)
+      end if
+    end if
+    call settle(ko_field_eval_lattice(self%handle, origin, steps, int(max(counts, 0), c_size_t), size(counts, 1, c_int32_t), &
+      to(1), to(2), int(n_threads, c_int32_t)), stat, errmsg)
+  end subroutine
+
+  ! Makes `mesh` the level set phi = `level` within the field's box: triangles in space, curves in the plane. stat is KO_OPEN_AT_BOX
+  ! where it meets the box and is open there. `listener` is told of progress, on this thread.
+  subroutine field_level_set(self, level, mesh, options, listener, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    real(c_double), intent(in) :: level
+    type(keepout_mesh), intent(inout) :: mesh
+    type(ko_level_set_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_level_set_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_level_set_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    status = ko_field_level_set(self%handle, level, plain, handle)
+    if (status >= KO_OK) call mesh_adopt(mesh, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
 
   ! 1 into outside (n) for each of points (dim, n) outside the field's box, else 0.
   subroutine field_outside_box(self, points, outside, stat, errmsg)

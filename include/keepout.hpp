@@ -89,6 +89,15 @@ inline void check_size(const char *name, std::size_t size, std::size_t right) {
     }
 }
 
+/// Points of a lattice; too many to count wrap around to what no array is as long as, or are for the call to refuse.
+inline std::size_t product(Span<const std::size_t> counts) {
+    std::size_t n = 1;
+    for (std::size_t i = 0; i < counts.size(); i++) {
+        n *= counts.data()[i];
+    }
+    return n;
+}
+
 template <class T, void (*Free)(T *)>
 struct Deleter {
     void operator()(T *handle) const noexcept { Free(handle); }
@@ -139,14 +148,71 @@ inline std::string status_string(std::int32_t status) { return ko_status_string(
 /// What an on_progress function asks for.
 enum class Progress { go_on, cancel };
 
-/// ko_fit_options with the defaults, and a function to be told of progress: fraction in [0, 1], stage.
+/// Told of progress: fraction in [0, 1], stage. What it throws cancels the call and comes out of it.
 ///
-/// What it throws cancels the fit and comes out of Field::fit. Where it is set, `progress` and `progress_data` are not called.
+/// Where options have one, their `progress` and `progress_data` are not called.
+using OnProgress = std::function<Progress(double fraction, const char *stage)>;
+
+/// ko_fit_options with the defaults.
 struct FitOptions : ko_fit_options {
     FitOptions() : ko_fit_options() { detail::check(ko_fit_options_init(this, sizeof(ko_fit_options))); }
 
-    std::function<Progress(double fraction, const char *stage)> on_progress;
+    OnProgress on_progress;
 };
+
+/// ko_normal_options with the defaults.
+struct NormalOptions : ko_normal_options {
+    NormalOptions() : ko_normal_options() { detail::check(ko_normal_options_init(this, sizeof(ko_normal_options))); }
+
+    OnProgress on_progress;
+};
+
+/// ko_level_set_options with the defaults.
+struct LevelSetOptions : ko_level_set_options {
+    LevelSetOptions() : ko_level_set_options() {
+        detail::check(ko_level_set_options_init(this, sizeof(ko_level_set_options)));
+    }
+
+    OnProgress on_progress;
+};
+
+namespace detail {
+
+/// Stands between C and an on_progress: no exception passes.
+struct Listener {
+    const OnProgress &on_progress;
+    std::exception_ptr thrown;
+
+    static std::int32_t hear(double fraction, const char *stage, void *data) noexcept {
+        auto &self = *static_cast<Listener *>(data);
+        try {
+            return self.on_progress(fraction, stage) == Progress::cancel;
+        } catch (...) {
+            self.thrown = std::current_exception();
+            return 1;
+        }
+    }
+};
+
+/// Status of `call(plain, &handle)`, with the options as the struct `Plain` of C; `free` takes the handle where on_progress threw.
+template <class Plain, class Options, class T, class Call>
+std::int32_t listened(const Options &options, T *&handle, void (*free)(T *), const Call &call) {
+    Listener listener{options.on_progress, nullptr};
+    Plain plain = options;
+    if (options.on_progress) {
+        plain.progress = Listener::hear;
+        plain.progress_data = &listener;
+    }
+    const std::int32_t status = call(plain, &handle);
+    if (listener.thrown) {
+        free(handle);
+        std::rethrow_exception(listener.thrown);
+    }
+    check(status);
+    return status;
+}
+
+} // namespace detail
 
 /// Points of a surface in space, or of a curve in the plane, with unit normals.
 class Cloud {
@@ -163,6 +229,19 @@ public:
         detail::check(ko_cloud_from_points(dim, points.data(), normals.data(), n, &handle));
         return Cloud(handle);
     }
+
+    /// The same with normals that are estimated by the defaults.
+    static Cloud from_points(Span<const double> points, std::uint32_t dim = 3) {
+        const std::size_t n = detail::count("points", points.size(), dim == 2 ? 2 : 3);
+        ko_cloud *handle = nullptr;
+        detail::check(ko_cloud_from_points(dim, points.data(), nullptr, n, &handle));
+        return Cloud(handle);
+    }
+
+    struct Estimate;
+
+    /// From points [dim * n] that come without normals, which are estimated, with what was found.
+    static Estimate estimate_normals(Span<const double> points, std::uint32_t dim = 3, const NormalOptions &options = {});
 
     /// 3 in space, 2 in the plane.
     std::uint32_t dim() const noexcept { return dim_; }
@@ -215,6 +294,24 @@ private:
     std::uint32_t dim_;
 };
 
+/// A cloud whose normals were estimated.
+struct Cloud::Estimate {
+    Cloud cloud;
+    std::vector<std::uint8_t> flags; ///< [cloud.size()], each an or of KO_POINT_ bits, 0 for most
+    ko_normal_report report;
+};
+
+inline Cloud::Estimate Cloud::estimate_normals(Span<const double> points, std::uint32_t dim, const NormalOptions &options) {
+    const std::size_t n = detail::count("points", points.size(), dim == 2 ? 2 : 3);
+    std::vector<std::uint8_t> flags(n);
+    ko_normal_report report;
+    ko_cloud *handle = nullptr;
+    detail::listened<ko_normal_options>(options, handle, ko_cloud_free, [&](const ko_normal_options &plain, ko_cloud **cloud) {
+        return ko_cloud_estimate_normals(dim, points.data(), n, &plain, cloud, flags.data(), sizeof report, &report);
+    });
+    return Estimate{Cloud(handle), std::move(flags), report};
+}
+
 /// Whether polylines go back to their first points.
 enum class Polylines { closed, open };
 
@@ -230,6 +327,9 @@ public:
         detail::check(ko_mesh_read(path.c_str(), &handle));
         return Mesh(handle);
     }
+
+    /// To the file `path`, whose ending names the format: .obj, .off, .ply or .stl.
+    void write(const std::string &path) const { detail::check(ko_mesh_write(get(), path.c_str())); }
 
     /// From vertices [3 * n_vertices] and triangles [3 * n_triangles], counter-clockwise seen from outside.
     static Mesh from_triangles(Span<const double> vertices, Span<const std::uint32_t> triangles) {
@@ -281,6 +381,22 @@ public:
         return triangles;
     }
 
+    struct Curves {
+        std::vector<double> points;           ///< [2 * n]
+        std::vector<std::size_t> loop_starts; ///< [n_loops]: polyline i begins at points[2 * loop_starts[i]]
+        std::vector<std::uint8_t> closed;     ///< [n_loops]: 1 where polyline i goes back to its first point, else 0
+    };
+
+    /// The curves that the segments of a mesh of the plane make: open ones first, then closed ones.
+    Curves polylines() const {
+        std::size_t n = 0, n_loops = 0;
+        detail::check(ko_mesh_get_polylines_size(get(), &n, &n_loops));
+        Curves curves{std::vector<double>(2 * n), std::vector<std::size_t>(n_loops), std::vector<std::uint8_t>(n_loops)};
+        detail::check(ko_mesh_copy_polylines(get(), n, n_loops, curves.points.data(), curves.loop_starts.data(),
+                                             curves.closed.data()));
+        return curves;
+    }
+
     ko_mesh_report report() const {
         ko_mesh_report report;
         detail::check(ko_mesh_get_report(get(), sizeof report, &report));
@@ -325,20 +441,41 @@ public:
     explicit Field(ko_field *handle) noexcept : handle_(handle), dim_(detail::dim_of(handle)) {}
 
     static Field fit(const Cloud &cloud, const FitOptions &options = {}) {
-        Listener listener{options, nullptr};
-        ko_fit_options plain = options;
-        if (options.on_progress) {
-            plain.progress = Listener::hear;
-            plain.progress_data = &listener;
-        }
         ko_field *handle = nullptr;
-        const std::int32_t status = ko_field_fit(cloud.get(), &plain, &handle);
-        if (listener.thrown) {
-            ko_field_free(handle);
-            std::rethrow_exception(listener.thrown);
-        }
-        detail::check(status);
+        detail::listened<ko_fit_options>(options, handle, ko_field_free, [&](const ko_fit_options &plain, ko_field **field) {
+            return ko_field_fit(cloud.get(), &plain, field);
+        });
         return Field(handle);
+    }
+
+    /// A fit to `cloud` on this field's box, from its control points on; this field stays as it is.
+    Field refit(const Cloud &cloud, const FitOptions &options = {}) const {
+        ko_field *handle = nullptr;
+        detail::listened<ko_fit_options>(options, handle, ko_field_free, [&](const ko_fit_options &plain, ko_field **field) {
+            return ko_field_refit(get(), cloud.get(), &plain, field);
+        });
+        return Field(handle);
+    }
+
+    /// Of control points, as many as the product of counts [dim], the last axis contiguous, on the box from box_min [dim] to box_max [dim].
+    /// `feasible` is KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE, `diagonal` the D that the report shall have.
+    static Field from_control_points(Span<const std::uint32_t> counts, Span<const double> box_min,
+                                     Span<const double> box_max, std::int32_t feasible, double diagonal,
+                                     Span<const double> control_points) {
+        detail::check_size("box_min", box_min.size(), counts.size());
+        detail::check_size("box_max", box_max.size(), counts.size());
+        ko_field *handle = nullptr;
+        detail::check(ko_field_from_control_points(static_cast<std::uint32_t>(counts.size()), counts.data(), box_min.data(),
+                                                   box_max.data(), feasible, diagonal, control_points.data(),
+                                                   control_points.size(), &handle));
+        return Field(handle);
+    }
+
+    /// [report().n_unknowns], row-major over the counts of the report, the last axis contiguous.
+    std::vector<double> control_points() const {
+        std::vector<double> control_points(static_cast<std::size_t>(report().n_unknowns));
+        detail::check(ko_field_get_control_points(get(), control_points.size(), control_points.data()));
+        return control_points;
     }
 
     static Field load(const std::string &path) {
@@ -402,26 +539,43 @@ public:
         return outside;
     }
 
+    /// Evaluates at the points of a lattice, origin [dim()] plus multiples below counts [k] of steps [dim() * k], 1 <= k <= dim(), on
+    /// `n_threads` threads (0: all cores): values [n] and gradients [dim() * n], n the product of the counts, the last index fastest;
+    /// empty: not wanted.
+    void eval_lattice(std::uint32_t n_threads, Span<const double> origin, Span<const double> steps,
+                      Span<const std::size_t> counts, Span<double> values, Span<double> gradients = {}) const {
+        detail::check_size("origin", origin.size(), dim_);
+        detail::check_size("steps", steps.size(), dim_ * counts.size());
+        const std::size_t n = detail::product(counts);
+        if (!values.empty()) {
+            detail::check_size("values", values.size(), n);
+        }
+        if (!gradients.empty()) {
+            detail::check_size("gradients", gradients.size(), dim_ * n);
+        }
+        detail::check(ko_field_eval_lattice(get(), origin.data(), steps.data(), counts.data(),
+                                            static_cast<std::uint32_t>(counts.size()), values.data(), gradients.data(),
+                                            n_threads));
+    }
+
+    struct LevelSet {
+        Mesh mesh;
+        bool open_at_box; ///< It meets the field's box, and is open there: KO_OPEN_AT_BOX.
+    };
+
+    /// The level set phi = `level` within the field's box: triangles in space, curves in the plane.
+    LevelSet level_set(double level, const LevelSetOptions &options = {}) const {
+        ko_mesh *handle = nullptr;
+        const std::int32_t status = detail::listened<ko_level_set_options>(
+            options, handle, ko_mesh_free,
+            [&](const ko_level_set_options &plain, ko_mesh **mesh) { return ko_field_level_set(get(), level, &plain, mesh); });
+        return LevelSet{Mesh(handle), status == KO_OPEN_AT_BOX};
+    }
+
     const ko_field *get() const noexcept { return handle_.get(); }
     ko_field *get() noexcept { return handle_.get(); }
 
 private:
-    /// Stands between C and on_progress: no exception passes.
-    struct Listener {
-        const FitOptions &options;
-        std::exception_ptr thrown;
-
-        static std::int32_t hear(double fraction, const char *stage, void *data) noexcept {
-            auto &self = *static_cast<Listener *>(data);
-            try {
-                return self.options.on_progress(fraction, stage) == Progress::cancel;
-            } catch (...) {
-                self.thrown = std::current_exception();
-                return 1;
-            }
-        }
-    };
-
     /// Second derivatives at a point: the upper triangle.
     std::size_t n_second() const noexcept { return dim_ * (dim_ + 1) / 2; }
 

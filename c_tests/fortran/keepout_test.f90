@@ -41,6 +41,11 @@ program keepout_test
   call planes()
   call fields()
   call derivatives_are_those_of_the_values()
+  call meshes_are_given_away()
+  call normals_are_estimated()
+  call fields_are_made_of_fields()
+  call lattices_are_evaluated()
+  call level_sets_are_meshes()
   call clouds_are_not_trusted_alike()
   call progress_is_heard()
   call errors_are_told()
@@ -183,6 +188,182 @@ contains
           1e-2_c_double, "a difference of gradients")
       end do
     end do
+  end subroutine
+
+  ! The curves of a mesh of the plane, and files of meshes.
+  subroutine meshes_are_given_away()
+    type(keepout_mesh) :: mesh
+    real(c_double), allocatable :: points(:, :), vertices(:, :)
+    integer(c_size_t), allocatable :: loop_starts(:)
+    integer(c_int8_t), allocatable :: closed(:)
+    integer(c_int32_t), allocatable :: triangles(:, :)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    integer :: unit
+    call frame(mesh)
+    call mesh%copy_polylines(points, loop_starts, closed)
+    call holds(all(shape(points) == [2, 8]) .and. all(loop_starts == [0, 4]) .and. all(closed == 1), "mesh%copy_polylines")
+    call holds(all(abs(points - frame_points) <= 0), "points of polylines")
+    call cube(mesh)
+    call mesh%copy_polylines(points, loop_starts, closed, stat, errmsg)
+    call holds(stat == KO_ERR_INVALID_ARGUMENT .and. size(points) == 0, "polylines of a mesh of space")
+    call mesh%write("fortran.ply  ")
+    call mesh%read("fortran.ply")
+    call mesh%copy(vertices, triangles)
+    call holds(all(abs(vertices - cube_vertices) <= 0) .and. all(triangles == cube_triangles), "mesh%write")
+    call mesh%write("fortran.txt", stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_UNSUPPORTED, "fortran.txt")
+    open (newunit=unit, file="fortran.ply", status="old")
+    close (unit, status="delete")
+  end subroutine
+
+  subroutine normals_are_estimated()
+    integer, parameter :: n = 400
+    type(keepout_cloud) :: cloud, plain
+    type(counter) :: listener
+    type(ko_normal_options) :: options
+    type(ko_normal_report) :: report
+    real(c_double) :: shape_of(3, n + 1), r
+    real(c_double), allocatable :: points(:, :), normals(:, :), others(:, :)
+    integer(c_int8_t), allocatable :: flags(:)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    integer :: i
+    do i = 1, n
+      shape_of(3, i) = 1 - (2.0_c_double * i - 1) / n
+      r = sqrt(1 - shape_of(3, i)**2)
+      shape_of(:2, i) = r * [cos(2.4_c_double * i), sin(2.4_c_double * i)]
+    end do
+    shape_of(:, n + 1) = shape_of(:, 1)
+    options = keepout_normal_options()
+    options%n_threads = 1
+    call cloud%estimate_normals(shape_of, options, listener, flags, report)
+    call holds(listener%last >= 1 .and. cloud%dim() == 3 .and. cloud%n_points() == n + 1, "cloud%estimate_normals")
+    call holds(report%n_copies == 1 .and. report%agreement > 0.9, "report of estimated normals")
+    call holds(size(flags) == n + 1 .and. iand(flags(n + 1), KO_POINT_COPY) /= 0 .and. flags(1) == 0, "flags of points")
+    call cloud%copy(points, normals)
+    call holds(minval(sum(points * normals, 1)) > 0.9, "estimated normals point out")
+    call plain%from_points(shape_of)
+    call plain%copy(points, others)
+    call holds(all(abs(others - normals) <= 0), "points without normals")
+    call plain%estimate_normals(shape_of(:2, :))
+    call holds(plain%dim() == 2, "normals in the plane")
+    listener = counter(until=0.0_c_double)
+    call plain%estimate_normals(shape_of, listener=listener, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_CANCELLED, "cancelled")
+    options%neighbours = 2
+    call plain%estimate_normals(shape_of, options, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "neighbours")
+    call holds(plain%dim() == 2, "an estimate that fails leaves the cloud as it was")
+  end subroutine
+
+  ! A field goes on to a cloud nearby, and comes back from its control points.
+  subroutine fields_are_made_of_fields()
+    type(keepout_mesh) :: mesh
+    type(keepout_cloud) :: cloud
+    type(keepout_field) :: field, again, made
+    type(counter) :: listener
+    type(ko_fit_report) :: report, other
+    real(c_double), allocatable :: control_points(:), copied(:)
+    real(c_double) :: points(3, 2), values(2), right(2)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    call cube(mesh)
+    call mesh%sample(500, 1, cloud)
+    call field%fit(cloud, small_fit(8))
+    call again%refit(field, cloud, small_fit(8), listener)
+    call field%report(report)
+    call again%report(other)
+    call holds(listener%last >= 1 .and. other%n_unknowns == 512 .and. 2 * other%iterations < report%iterations, "field%refit")
+    call frame(mesh)
+    call mesh%sample(100, 1, cloud)
+    call again%refit(field, cloud, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "dim")
+
+    call field%control_points(control_points)
+    call made%from_control_points(report%control_points, report%box_min, report%box_max, report%feasible, report%diagonal, &
+      control_points)
+    call made%control_points(copied)
+    call holds(size(copied) == 512 .and. all(abs(copied - control_points) <= 0), "field%from_control_points")
+    points = reshape(real([0, 0, 0, 11, 2, 0], c_double) / 10, [3, 2])
+    call field%eval(points, right)
+    call made%eval(points, values)
+    call near(maxval(abs(values - right)), 0.0_c_double, 1e-12_c_double, "values of control points")
+    call made%from_control_points(report%control_points, report%box_min(:2), report%box_max, report%feasible, report%diagonal, &
+      control_points, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "box_min has 2 entries; 3 are needed")
+    call again%free()
+    call again%control_points(copied, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "field is NULL")
+  end subroutine
+
+  subroutine lattices_are_evaluated()
+    type(keepout_mesh) :: mesh
+    type(keepout_cloud) :: cloud
+    type(keepout_field) :: field
+    real(c_double), parameter :: origin(3) = [-1.0_c_double, -1.0_c_double, 0.25_c_double]
+    real(c_double), parameter :: steps(3, 2) = reshape(real([4, 0, 1, 0, 2, 0], c_double) / 8, [3, 2])
+    real(c_double) :: points(3, 12), values(12), gradients(3, 12), right(12), slopes(3, 12)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    integer :: i, j
+    call cube(mesh)
+    call mesh%sample(500, 1, cloud)
+    call field%fit(cloud, small_fit(8))
+    do i = 0, 2
+      do j = 0, 3
+        points(:, 4 * i + j + 1) = origin + i * steps(:, 1) + j * steps(:, 2)
+      end do
+    end do
+    call field%eval(points, right, slopes)
+    call field%eval_lattice(2, origin, steps, [3, 4], values, gradients)
+    call near(maxval(abs(values - right)), 0.0_c_double, 1e-12_c_double, "values of a lattice")
+    call near(maxval(abs(gradients - slopes)), 0.0_c_double, 1e-12_c_double, "gradients of a lattice")
+    call field%eval_lattice(1, origin, steps, [3, 4], gradients=gradients)
+    call field%eval_lattice(1, origin, steps, [3, 4], values(:11), stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "values has 11 entries; 12 are needed")
+    call field%eval_lattice(1, origin, steps, [3], values, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "steps has the shape (3, 2); (3, 1) is needed")
+    call field%eval_lattice(1, origin, steps, [3, -4], values(:0), stat=stat, errmsg=errmsg)
+    call holds(stat == KO_ERR_INVALID_ARGUMENT, "a count below 1")
+  end subroutine
+
+  subroutine level_sets_are_meshes()
+    type(keepout_mesh) :: mesh, set
+    type(keepout_cloud) :: cloud
+    type(keepout_field) :: field
+    type(counter) :: listener
+    type(ko_fit_options) :: wide_box
+    type(ko_level_set_options) :: options
+    type(ko_mesh_report) :: report
+    real(c_double), allocatable :: vertices(:, :), values(:)
+    integer(c_int32_t), allocatable :: triangles(:, :)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    call cube(mesh)
+    call mesh%sample(500, 1, cloud)
+    wide_box = small_fit(8)
+    wide_box%margin = 0.5_c_double
+    call field%fit(cloud, wide_box)
+    options = keepout_level_set_options()
+    options%n_threads = 1
+    call field%level_set(0.0_c_double, set, options, listener, stat)
+    call set%report(report)
+    call holds(stat == KO_OK .and. report%closed == 1 .and. listener%last >= 1, "field%level_set")
+    call set%copy(vertices, triangles)
+    allocate (values(size(vertices, 2)))
+    call field%eval(vertices, values)
+    call near(maxval(abs(values)), 0.0_c_double, 1e-8_c_double, "vertices of a level set")
+    call field%level_set(0.6_c_double, set, stat=stat)
+    call set%report(report)
+    call holds(stat == KO_OPEN_AT_BOX .and. report%closed == 0, "KO_OPEN_AT_BOX")
+    ! A remark is no failure: without stat the program goes on.
+    call field%level_set(0.6_c_double, set)
+    call field%level_set(100.0_c_double, set, stat=stat, errmsg=errmsg)
+    call holds(stat == KO_ERR_DEGENERATE .and. set%dim() == 3, "a level that phi does not take")
+    listener = counter(until=0.0_c_double)
+    call field%level_set(0.0_c_double, set, listener=listener, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_CANCELLED, "cancelled")
   end subroutine
 
   ! Weights leave points out, and a robust fit finds them by itself.

@@ -3,8 +3,11 @@
 #include <keepout.h>
 
 size_t layout_mesh_report(size_t *offsets);
+size_t layout_normal_options(size_t *offsets);
+size_t layout_normal_report(size_t *offsets);
 size_t layout_fit_options(size_t *offsets);
 size_t layout_fit_report(size_t *offsets);
+size_t layout_level_set_options(size_t *offsets);
 
 #define PUT(field) *offsets++ = offsetof(STRUCT, field)
 
@@ -78,3 +81,46 @@ size_t layout_fit_report(size_t *offsets) {
     PUT(n_outliers);
     return sizeof(STRUCT);
 }
+#undef STRUCT
+
+#define STRUCT ko_normal_options
+size_t layout_normal_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(neighbours);
+    PUT(n_threads);
+    PUT(outlier_factor);
+    PUT(memory_limit);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_normal_report
+size_t layout_normal_report(size_t *offsets) {
+    PUT(struct_size);
+    PUT(n_components);
+    PUT(n_copies);
+    PUT(n_outliers);
+    PUT(n_degenerate);
+    PUT(n_doubtful);
+    PUT(agreement);
+    PUT(seconds);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_level_set_options
+size_t layout_level_set_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(subdivisions);
+    PUT(n_threads);
+    PUT(shortest_edge);
+    PUT(relaxations);
+    PUT(reserved);
+    PUT(memory_limit);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT

@@ -26,6 +26,24 @@ module layout
       integer(c_size_t), intent(inout) :: offsets(*)
       integer(c_size_t) :: bytes
     end function
+
+    function layout_normal_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_normal_report(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_level_set_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
   end interface
 
 contains
@@ -34,6 +52,9 @@ contains
     call check_mesh_report()
     call check_fit_options()
     call check_fit_report()
+    call check_normal_options()
+    call check_normal_report()
+    call check_level_set_options()
   end subroutine
 
   ! Bytes from `start` to `field`.
@@ -115,5 +136,50 @@ contains
     found(18) = offset(c_loc(x), c_loc(x%mean_gradient))
     found(19) = offset(c_loc(x), c_loc(x%n_outliers))
     call holds(all(found == right), "offsets in ko_fit_report")
+  end subroutine
+
+  subroutine check_normal_options()
+    type(ko_normal_options), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_normal_options(right), "bytes of ko_normal_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%neighbours))
+    found(3) = offset(c_loc(x), c_loc(x%n_threads))
+    found(4) = offset(c_loc(x), c_loc(x%outlier_factor))
+    found(5) = offset(c_loc(x), c_loc(x%memory_limit))
+    found(6) = offset(c_loc(x), c_loc(x%progress))
+    found(7) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_normal_options")
+  end subroutine
+
+  subroutine check_normal_report()
+    type(ko_normal_report), target :: x
+    integer(c_size_t) :: right(8), found(8)
+    call equal(c_sizeof(x), layout_normal_report(right), "bytes of ko_normal_report")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%n_components))
+    found(3) = offset(c_loc(x), c_loc(x%n_copies))
+    found(4) = offset(c_loc(x), c_loc(x%n_outliers))
+    found(5) = offset(c_loc(x), c_loc(x%n_degenerate))
+    found(6) = offset(c_loc(x), c_loc(x%n_doubtful))
+    found(7) = offset(c_loc(x), c_loc(x%agreement))
+    found(8) = offset(c_loc(x), c_loc(x%seconds))
+    call holds(all(found == right), "offsets in ko_normal_report")
+  end subroutine
+
+  subroutine check_level_set_options()
+    type(ko_level_set_options), target :: x
+    integer(c_size_t) :: right(9), found(9)
+    call equal(c_sizeof(x), layout_level_set_options(right), "bytes of ko_level_set_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%subdivisions))
+    found(3) = offset(c_loc(x), c_loc(x%n_threads))
+    found(4) = offset(c_loc(x), c_loc(x%shortest_edge))
+    found(5) = offset(c_loc(x), c_loc(x%relaxations))
+    found(6) = offset(c_loc(x), c_loc(x%reserved))
+    found(7) = offset(c_loc(x), c_loc(x%memory_limit))
+    found(8) = offset(c_loc(x), c_loc(x%progress))
+    found(9) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_level_set_options")
   end subroutine
 end module

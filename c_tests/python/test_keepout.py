@@ -58,7 +58,7 @@ class Geometry(TestCase):
 
     def test_status_names_are_those_of_c(self):
         for status in Status:
-            name = "KO_OK" if status == 0 else f"KO_ERR_{status.name}"
+            name = f"KO_{status.name}" if status >= 0 else f"KO_ERR_{status.name}"
             self.assertEqual(keepout.status_string(status), name)
 
     def test_mesh(self):
@@ -96,6 +96,47 @@ class Geometry(TestCase):
         self.assertEqual((cloud.dim, cloud.points().shape, cloud.normals().shape), (2, (400, 2), (400, 2)))
         self.assertEqual(cloud.origins().barycentric.shape, (400, 2))
         self.assertEqual(Cloud.from_points(cloud.points(), cloud.normals()).dim, 2)
+
+
+    def test_polylines(self):
+        points, starts, closed = frame().polylines()
+        np.testing.assert_array_equal(points, FRAME)
+        self.assertEqual((list(starts), list(closed)), ([0, 4], [True, True]))
+        self.assertEqual([len(loop) for loop in frame().polylines().split()], [5, 5])
+        line = Mesh.from_polylines([[0, 0], [1, 0]], kind=keepout.Polylines.OPEN).polylines()
+        self.assertEqual(list(line.closed), [False])
+        with self.fails(Status.INVALID_ARGUMENT, ""):
+            cube().polylines()
+
+    def test_written_meshes(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "wü.ply"
+            cube().write(path)
+            np.testing.assert_array_equal(Mesh.read(path).vertices(), CUBE)
+            with self.fails(Status.UNSUPPORTED, "cube.txt"):
+                cube().write(pathlib.Path(folder) / "cube.txt")
+
+    def test_normals(self):
+        angle = np.linspace(0, 2 * np.pi, 300, endpoint=False)
+        circle = np.column_stack((np.cos(angle), np.sin(angle)))
+        ball = np.random.default_rng(5).normal(size=(1000, 3))
+        for shape in (circle, ball / np.linalg.norm(ball, axis=1)[:, None]):
+            points = np.vstack((shape, shape[:1]))
+            heard = []
+            options = keepout.NormalOptions(neighbours=8, n_threads=1)
+            cloud, flags, report = Cloud.estimate_normals(points, options, lambda *told: heard.append(told[0]))
+            self.assertEqual((cloud.dim, len(cloud), heard[-1]), (points.shape[1], len(points), 1.0))
+            self.assertTrue(flags[-1] & keepout.Point.COPY)
+            self.assertEqual(report.n_copies, 1)
+            self.assertGreater(np.einsum("ij,ij->i", cloud.normals(), points).min(), 0.8)
+            plain = Cloud.from_points(points).normals()
+            np.testing.assert_array_equal(Cloud.estimate_normals(points).cloud.normals(), plain)
+            with self.fails(Status.CANCELLED, "cancelled"):
+                Cloud.estimate_normals(points, progress=lambda *_: False)
+        with self.fails(Status.INVALID_ARGUMENT, "neighbours"):
+            Cloud.estimate_normals(circle, keepout.NormalOptions(neighbours=2))
+        with self.fails(Status.INVALID_ARGUMENT, "dim is 4"):
+            Cloud.from_points(np.ones((5, 4)))
 
 
 class Fields(TestCase):
@@ -157,6 +198,58 @@ class Fields(TestCase):
             loaded = Field.load(path)
         self.assertEqual(loaded.dim, 2)
         np.testing.assert_array_equal(loaded(FRAME), field(FRAME))
+
+    def test_refits(self):
+        cloud = cube().sample(500, seed=1)
+        field = Field.fit(cloud, small_fit())
+        again = field.refit(Cloud.from_points(cloud.points() + 1e-3, cloud.normals()), small_fit(5))
+        self.assertEqual(again.report().n_unknowns, 512)
+        self.assertLess(again.report().iterations, field.report().iterations)
+        with self.fails(Status.CANCELLED, "cancelled"):
+            field.refit(cloud, progress=lambda *_: False)
+        with self.fails(Status.INVALID_ARGUMENT, "dim"):
+            field.refit(frame().sample(100))
+
+    def test_control_points(self):
+        for cloud in (cube().sample(300), frame().sample(300)):
+            field = Field.fit(cloud, small_fit((7, 8, 9)))
+            report, control_points = field.report(), field.control_points()
+            self.assertEqual(control_points.shape, (7, 8, 9)[: field.dim])
+            low, high = (np.array(corner)[: field.dim] for corner in (report.box_min, report.box_max))
+            made = Field.from_control_points(control_points, low, high, report.diagonal)
+            np.testing.assert_array_equal(made.control_points(), control_points)
+            points = np.random.default_rng(6).uniform(-1, 1, (20, field.dim))
+            np.testing.assert_allclose(made(points), field(points), atol=1e-12)
+            with self.fails(Status.INVALID_ARGUMENT, "box_min 4"):
+                Field.from_control_points(control_points, np.zeros(4), high, 1)
+
+    def test_lattices(self):
+        field = Field.fit(cube().sample(300), small_fit(6))
+        origin, steps = np.array([-1, -1, 0.1]), np.array([[0.5, 0, 0], [0, 0.2, 0.1]])
+        values, gradients = field.eval_lattice(origin, steps, (4, 5), n_threads=2)
+        points = origin + np.stack(np.meshgrid(np.arange(4), np.arange(5), indexing="ij"), -1).reshape(-1, 2) @ steps
+        right = field.eval(points)
+        np.testing.assert_allclose(values, right[0].reshape(4, 5), atol=1e-12)
+        np.testing.assert_allclose(gradients, right[1].reshape(4, 5, 3), atol=1e-12)
+        self.assertEqual(len(field.eval_lattice(origin, steps, (4, 5), derivatives=0)), 1)
+        with self.fails(Status.INVALID_ARGUMENT, "2 steps and 1 counts"):
+            field.eval_lattice(origin, steps, (4,))
+        with self.fails(Status.INVALID_ARGUMENT, "derivatives is 2"):
+            field.eval_lattice(origin, steps, (4, 5), derivatives=2)
+
+    def test_level_sets(self):
+        field = Field.fit(cube().sample(500, seed=1), small_fit(margin=0.5))
+        heard = []
+        mesh, open_at_box = field.level_set(0.0, progress=lambda *told: heard.append(told[0]))
+        self.assertEqual((mesh.report().closed, open_at_box, heard[-1]), (1, False, 1.0))
+        np.testing.assert_allclose(field(mesh.vertices()), 0, atol=1e-8)
+        self.assertTrue(field.level_set(0.6).open_at_box)
+        coarse = field.level_set(0.0, keepout.LevelSetOptions(subdivisions=1, n_threads=1)).mesh
+        self.assertLess(coarse.n_triangles, mesh.n_triangles)
+        with self.fails(Status.DEGENERATE, ""):
+            field.level_set(100.0)
+        plane = Field.fit(frame().sample(400, seed=1)).level_set().mesh
+        self.assertEqual(list(plane.polylines().closed), [True, True])
 
     def test_sides(self):
         cloud = cube().sample(300)

@@ -38,6 +38,7 @@ class Status(enum.IntEnum):
     """What calls of C return: 0, errors below it, successes with a remark above it."""
 
     OK = 0
+    OPEN_AT_BOX = 1
     INVALID_ARGUMENT = -1
     OUT_OF_MEMORY = -2
     IO = -3
@@ -54,6 +55,16 @@ class Capability(enum.IntFlag):
 
     SPACE = 1
     GZIP = 2
+    PLANE = 4
+
+
+class Point(enum.IntFlag):
+    """Bits of a point's flags: what Cloud.estimate_normals found of it."""
+
+    COPY = 1
+    OUTLIER = 2
+    DEGENERATE = 4
+    DOUBTFUL = 8
 
 
 class Feasible(enum.IntEnum):
@@ -136,6 +147,35 @@ class ko_mesh_report(_Struct):
     ]
 
 
+class ko_normal_options(_Struct):
+    """Options of Cloud.estimate_normals; see NormalOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("neighbours", c_uint32),
+        ("n_threads", c_uint32),
+        ("outlier_factor", c_double),
+        ("memory_limit", c_uint64),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_normal_report(_Struct):
+    """What an estimate of normals found."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("n_components", c_uint64),
+        ("n_copies", c_uint64),
+        ("n_outliers", c_uint64),
+        ("n_degenerate", c_uint64),
+        ("n_doubtful", c_uint64),
+        ("agreement", c_double),
+        ("seconds", c_double),
+    ]
+
+
 class ko_fit_options(_Struct):
     """Options of Field.fit; see FitOptions."""
 
@@ -186,6 +226,22 @@ class ko_fit_report(_Struct):
     ]
 
 
+class ko_level_set_options(_Struct):
+    """Options of Field.level_set; see LevelSetOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("subdivisions", c_uint32),
+        ("n_threads", c_uint32),
+        ("shortest_edge", c_double),
+        ("relaxations", c_uint32),
+        ("reserved", c_uint32),
+        ("memory_limit", c_uint64),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
 # ---- The library
 
 
@@ -231,6 +287,7 @@ _abi_version = _bind("ko_abi_version", c_uint32)
 _capabilities = _bind("ko_capabilities", c_uint64)
 
 _mesh_read = _bind("ko_mesh_read", c_int32, c_char_p, POINTER(_mesh))
+_mesh_write = _bind("ko_mesh_write", c_int32, _mesh, c_char_p)
 _mesh_from_triangles = _bind("ko_mesh_from_triangles", c_int32, _doubles, c_size_t, _indices, c_size_t, POINTER(_mesh))
 _mesh_from_polylines = _bind(
     "ko_mesh_from_polylines", c_int32, _doubles, c_size_t, POINTER(c_size_t), c_size_t, c_int32, POINTER(_mesh)
@@ -239,6 +296,10 @@ _mesh_free = _bind("ko_mesh_free", None, _mesh)
 _mesh_get_dim = _bind("ko_mesh_get_dim", c_int32, _mesh, POINTER(c_uint32))
 _mesh_get_size = _bind("ko_mesh_get_size", c_int32, _mesh, POINTER(c_size_t), POINTER(c_size_t))
 _mesh_copy = _bind("ko_mesh_copy", c_int32, _mesh, c_size_t, c_size_t, _doubles, _indices)
+_mesh_get_polylines_size = _bind("ko_mesh_get_polylines_size", c_int32, _mesh, POINTER(c_size_t), POINTER(c_size_t))
+_mesh_copy_polylines = _bind(
+    "ko_mesh_copy_polylines", c_int32, _mesh, c_size_t, c_size_t, _doubles, POINTER(c_size_t), POINTER(c_uint8)
+)
 _mesh_get_report = _bind("ko_mesh_get_report", c_int32, _mesh, c_size_t, POINTER(ko_mesh_report))
 _mesh_flip = _bind("ko_mesh_flip", c_int32, _mesh)
 _mesh_sample = _bind("ko_mesh_sample", c_int32, _mesh, c_size_t, c_uint64, POINTER(_cloud))
@@ -251,18 +312,51 @@ _cloud_get_size = _bind("ko_cloud_get_size", c_int32, _cloud, POINTER(c_size_t))
 _cloud_copy = _bind("ko_cloud_copy", c_int32, _cloud, c_size_t, _doubles, _doubles)
 _cloud_set_weights = _bind("ko_cloud_set_weights", c_int32, _cloud, _doubles, c_size_t)
 _cloud_copy_origins = _bind("ko_cloud_copy_origins", c_int32, _cloud, c_size_t, _indices, _doubles)
+_normal_options_init = _bind("ko_normal_options_init", c_int32, POINTER(ko_normal_options), c_size_t)
+_cloud_estimate_normals = _bind(
+    "ko_cloud_estimate_normals",
+    c_int32,
+    c_uint32,
+    _doubles,
+    c_size_t,
+    POINTER(ko_normal_options),
+    POINTER(_cloud),
+    POINTER(c_uint8),
+    c_size_t,
+    POINTER(ko_normal_report),
+)
 
 _fit_options_init = _bind("ko_fit_options_init", c_int32, POINTER(ko_fit_options), c_size_t)
 _field_fit = _bind("ko_field_fit", c_int32, _cloud, POINTER(ko_fit_options), POINTER(_field))
+_field_refit = _bind("ko_field_refit", c_int32, _field, _cloud, POINTER(ko_fit_options), POINTER(_field))
+_field_from_control_points = _bind(
+    "ko_field_from_control_points",
+    c_int32,
+    c_uint32,
+    _indices,
+    _doubles,
+    _doubles,
+    c_int32,
+    c_double,
+    _doubles,
+    c_size_t,
+    POINTER(_field),
+)
+_field_get_control_points = _bind("ko_field_get_control_points", c_int32, _field, c_size_t, _doubles)
 _field_eval = _bind("ko_field_eval", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles)
 _field_eval_parallel = _bind(
     "ko_field_eval_parallel", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles, c_uint32
+)
+_field_eval_lattice = _bind(
+    "ko_field_eval_lattice", c_int32, _field, _doubles, _doubles, POINTER(c_size_t), c_uint32, _doubles, _doubles, c_uint32
 )
 _field_outside_box = _bind("ko_field_outside_box", c_int32, _field, _doubles, c_size_t, POINTER(c_uint8))
 _field_get_report = _bind("ko_field_get_report", c_int32, _field, c_size_t, POINTER(ko_fit_report))
 _field_save = _bind("ko_field_save", c_int32, _field, c_char_p)
 _field_load = _bind("ko_field_load", c_int32, c_char_p, POINTER(_field))
 _field_free = _bind("ko_field_free", None, _field)
+_level_set_options_init = _bind("ko_level_set_options_init", c_int32, POINTER(ko_level_set_options), c_size_t)
+_field_level_set = _bind("ko_field_level_set", c_int32, _field, c_double, POINTER(ko_level_set_options), POINTER(_mesh))
 
 
 def version() -> str:
@@ -315,6 +409,14 @@ def _numbers(name: str, array: npt.ArrayLike, width: Optional[int], type_: Any =
     return numbers
 
 
+def _points_of_any_dim(points: npt.ArrayLike) -> Array:
+    """`points` as [n, dim]; which dimensions there are is for the call to say."""
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    if points.ndim != 2:
+        raise _wrong(f"points has the shape {points.shape}; [n, 2] or [n, 3] is needed")
+    return points
+
+
 def _indices_of(name: str, array: npt.ArrayLike, width: Optional[int], type_: Any) -> Array:
     """The same for indices, which must not change on their way to `type_`."""
     given = np.asarray(array)
@@ -360,6 +462,7 @@ class _Handle:
     """Owns a handle of C, `_as_parameter_` to ctypes. Once closed it is NULL, which each call refuses."""
 
     _free: Any
+    _pointer: Any
 
     def __init__(self, handle: Any) -> None:
         self._as_parameter_ = handle
@@ -377,6 +480,84 @@ class _Handle:
         self.close()
 
 
+# ---- Options and progress
+
+
+class _Options:
+    """A struct of options: the defaults but for what is given by name. A name that is no option raises AttributeError."""
+
+    _fields_: Any
+    _init: Any
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__()
+        _check(self._init(ctypes.byref(self), ctypes.sizeof(self)))
+        for name, value in settings.items():
+            setattr(self, name, value)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        options = {field: type_ for field, type_ in self._fields_ if not field.startswith(("struct_size", "progress"))}
+        if name not in options:
+            raise AttributeError(f"there is no option {name}; there are {', '.join(options)}")
+        if name == "control_points":
+            counts = [value] * 3 if np.ndim(value) == 0 else [*value, 0][:3]
+            value = (c_uint32 * 3)(*(_count(name, count) for count in counts))
+        elif options[name] in (c_uint32, c_uint64):
+            value = _count(name, value)
+        super().__setattr__(name, value)
+
+
+class FitOptions(_Options, ko_fit_options):
+    """Options of Field.fit and refit: the defaults but for what is given by name, FitOptions(feasible=Feasible.INSIDE, margin=0.3), say.
+
+    control_points takes one number for all axes, or one for each. A name that is no option raises AttributeError.
+    """
+
+    _init = staticmethod(_fit_options_init)
+
+
+class NormalOptions(_Options, ko_normal_options):
+    """Options of Cloud.estimate_normals, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_normal_options_init)
+
+
+class LevelSetOptions(_Options, ko_level_set_options):
+    """Options of Field.level_set, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_level_set_options_init)
+
+
+class _Listener:
+    """Stands between C and a Progress: no exception passes."""
+
+    def __init__(self, progress: Progress) -> None:
+        self.progress = progress
+        self.raised: Optional[BaseException] = None
+        self.for_c = ko_progress(self.hear)
+
+    def hear(self, fraction: float, stage: bytes, _data: Optional[int]) -> int:
+        try:
+            return int(self.progress(fraction, stage.decode()) is False)
+        except BaseException as exception:  # KeyboardInterrupt too
+            self.raised = exception
+            return 1
+
+
+def _make(kind: Any, plain: Any, progress: Optional[Progress], call: Callable[[Any, Any], int]) -> tuple[Any, int]:
+    """What `call(options, handle)` made, as the handle `kind`, and its status; `plain`, the options as C has them, get `progress`."""
+    listener = _Listener(progress) if progress else None
+    if listener:
+        plain.progress = listener.for_c
+    handle = kind._pointer()
+    status = call(ctypes.byref(plain), ctypes.byref(handle))
+    made = kind(handle) if status >= 0 else None
+    if listener and listener.raised:
+        raise listener.raised
+    _check(status)
+    return made, status
+
+
 # ---- Meshes, clouds, fields
 
 
@@ -384,6 +565,7 @@ class Mesh(_Handle):
     """A triangulated surface in space (dim 3), or polylines in the plane (dim 2): there a triangle is a segment."""
 
     _free = staticmethod(_mesh_free)
+    _pointer = _mesh
 
     def __init__(self, handle: Any) -> None:
         super().__init__(handle)
@@ -397,6 +579,10 @@ class Mesh(_Handle):
         handle = _mesh()
         _check(_mesh_read(_path(path), ctypes.byref(handle)))
         return cls(handle)
+
+    def write(self, path: Union[str, os.PathLike]) -> None:
+        """To the file `path`, whose ending names the format: .obj, .off, .ply or .stl."""
+        _check(_mesh_write(self, _path(path)))
 
     @classmethod
     def from_triangles(cls, vertices: npt.ArrayLike, triangles: npt.ArrayLike) -> Mesh:
@@ -455,6 +641,16 @@ class Mesh(_Handle):
         _check(_mesh_copy(self, n_vertices, n_triangles, None, _at(triangles, c_uint32)))
         return triangles
 
+    def polylines(self) -> Curves:
+        """The curves that the segments of a mesh of the plane make: open ones first, then closed ones."""
+        n_points, n_loops = c_size_t(), c_size_t()
+        _check(_mesh_get_polylines_size(self, ctypes.byref(n_points), ctypes.byref(n_loops)))
+        n, m = n_points.value, n_loops.value
+        curves = Curves(np.empty((n, 2)), np.empty(m, dtype=np.uintp), np.empty(m, dtype=np.bool_))
+        points, starts, closed = _at(curves.points), _at(curves.loop_starts, c_size_t), _at(curves.closed, c_uint8)
+        _check(_mesh_copy_polylines(self, n, m, points, starts, closed))
+        return curves
+
     def report(self) -> ko_mesh_report:
         """What can be said of the mesh: closed, oriented, manifold, components, flaws, extents."""
         report = ko_mesh_report()
@@ -479,6 +675,22 @@ class Mesh(_Handle):
         return distances
 
 
+class Curves(NamedTuple):
+    """Polylines, as Mesh.from_polylines takes those of one kind."""
+
+    points: Array
+    """[n, 2]"""
+    loop_starts: Array
+    """[n_loops] of uintp: where in points each polyline begins."""
+    closed: Array
+    """[n_loops] of bool: whether it goes back to its first point, which is not repeated."""
+
+    def split(self) -> list[Array]:
+        """The points of each polyline, closed ones with their first point once more."""
+        parts = np.split(self.points, self.loop_starts[1:].astype(int))
+        return [np.vstack((part, part[:1])) if closed else part for part, closed in zip(parts, self.closed)]
+
+
 class Origins(NamedTuple):
     """Where on its mesh each point of a cloud was taken."""
 
@@ -492,6 +704,7 @@ class Cloud(_Handle):
     """Points of a surface in space (dim 3) or of a curve in the plane (dim 2) with unit normals. len() tells how many."""
 
     _free = staticmethod(_cloud_free)
+    _pointer = _cloud
 
     def __init__(self, handle: Any) -> None:
         super().__init__(handle)
@@ -500,18 +713,31 @@ class Cloud(_Handle):
         self.dim: int = dim.value
 
     @classmethod
-    def from_points(cls, points: npt.ArrayLike, normals: npt.ArrayLike) -> Cloud:
-        """From points [n, dim] and normals [n, dim] out of the solid, of any length but 0; dim is 2 or 3."""
-        points = np.ascontiguousarray(points, dtype=np.float64)
-        if points.ndim != 2:
-            raise _wrong(f"points has the shape {points.shape}; [n, 2] or [n, 3] is needed")
+    def from_points(cls, points: npt.ArrayLike, normals: Optional[npt.ArrayLike] = None) -> Cloud:
+        """From points [n, dim] and normals [n, dim] out of the solid, of any length but 0; dim is 2 or 3. None are estimated."""
+        points = _points_of_any_dim(points)
         n, dim = points.shape
-        normals = _numbers("normals", normals, dim)
-        if len(normals) != n:
+        normals = None if normals is None else _numbers("normals", normals, dim)
+        if normals is not None and len(normals) != n:
             raise _wrong(f"{n} points come with {len(normals)} normals; one a point is needed")
         handle = _cloud()
         _check(_cloud_from_points(dim, _at(points), _at(normals), n, ctypes.byref(handle)))
         return cls(handle)
+
+    @classmethod
+    def estimate_normals(
+        cls, points: npt.ArrayLike, options: Optional[NormalOptions] = None, progress: Optional[Progress] = None
+    ) -> Estimate:
+        """From points [n, dim] that come without normals, with what was found; `progress` is told on this thread."""
+        points = _points_of_any_dim(points)
+        n, dim = points.shape
+        plain = ko_normal_options.from_buffer_copy(options or NormalOptions())
+        flags, report = np.empty(n, dtype=np.uint8), ko_normal_report()
+        found = (_at(flags, c_uint8), ctypes.sizeof(report), ctypes.byref(report))
+        cloud, _ = _make(
+            cls, plain, progress, lambda own, to: _cloud_estimate_normals(dim, _at(points), n, own, to, *found)
+        )
+        return Estimate(cloud, flags, report)
 
     def __len__(self) -> int:
         n = c_size_t()
@@ -543,52 +769,28 @@ class Cloud(_Handle):
         return origins
 
 
-_OPTIONS = {name: type_ for name, type_ in ko_fit_options._fields_ if not name.startswith(("struct_size", "progress"))}
+class Estimate(NamedTuple):
+    """A cloud whose normals were estimated."""
+
+    cloud: Cloud
+    flags: Array
+    """[n] of uint8: an or of the bits of Point for each point, 0 for most."""
+    report: ko_normal_report
 
 
-class FitOptions(ko_fit_options):
-    """Options of Field.fit: the defaults but for what is given by name, FitOptions(feasible=Feasible.INSIDE, margin=0.3), say.
+class LevelSet(NamedTuple):
+    """A level set of a field."""
 
-    control_points takes one number for all axes, or one for each. A name that is no option raises AttributeError.
-    """
-
-    def __init__(self, **settings: Any) -> None:
-        super().__init__()
-        _check(_fit_options_init(ctypes.byref(self), ctypes.sizeof(ko_fit_options)))
-        for name, value in settings.items():
-            setattr(self, name, value)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name not in _OPTIONS:
-            raise AttributeError(f"there is no option {name}; there are {', '.join(_OPTIONS)}")
-        if name == "control_points":
-            counts = [value] * 3 if np.ndim(value) == 0 else [*value, 0][:3]
-            value = (c_uint32 * 3)(*(_count(name, count) for count in counts))
-        elif _OPTIONS[name] in (c_uint32, c_uint64):
-            value = _count(name, value)
-        super().__setattr__(name, value)
-
-
-class _Listener:
-    """Stands between C and a Progress: no exception passes."""
-
-    def __init__(self, progress: Progress) -> None:
-        self.progress = progress
-        self.raised: Optional[BaseException] = None
-        self.for_c = ko_progress(self.hear)
-
-    def hear(self, fraction: float, stage: bytes, _data: Optional[int]) -> int:
-        try:
-            return int(self.progress(fraction, stage.decode()) is False)
-        except BaseException as exception:  # KeyboardInterrupt too
-            self.raised = exception
-            return 1
+    mesh: Mesh
+    open_at_box: bool
+    """It meets the field's box, and is open there."""
 
 
 class Field(_Handle):
     """A level-set function phi, close to the signed distance to a shape."""
 
     _free = staticmethod(_field_free)
+    _pointer = _field
 
     def __init__(self, handle: Any) -> None:
         super().__init__(handle)
@@ -597,18 +799,39 @@ class Field(_Handle):
     @classmethod
     def fit(cls, cloud: Cloud, options: Optional[FitOptions] = None, progress: Optional[Progress] = None) -> Field:
         """Fits a field to `cloud`; `progress` is told on this thread."""
-        own = ko_fit_options.from_buffer_copy(FitOptions() if options is None else options)
-        listener = _Listener(progress) if progress else None
-        if listener:
-            own.progress = listener.for_c
+        plain = ko_fit_options.from_buffer_copy(options or FitOptions())
+        return _make(cls, plain, progress, lambda own, to: _field_fit(cloud, own, to))[0]
+
+    def refit(self, cloud: Cloud, options: Optional[FitOptions] = None, progress: Optional[Progress] = None) -> Field:
+        """A fit to `cloud` on this field's box, from its control points on; this field stays as it is."""
+        plain = ko_fit_options.from_buffer_copy(options or FitOptions())
+        return _make(Field, plain, progress, lambda own, to: _field_refit(self, cloud, own, to))[0]
+
+    @classmethod
+    def from_control_points(
+        cls,
+        control_points: npt.ArrayLike,
+        box_min: npt.ArrayLike,
+        box_max: npt.ArrayLike,
+        diagonal: float,
+        feasible: Feasible = Feasible.OUTSIDE,
+    ) -> Field:
+        """Of control points, with an axis for each of the box, from box_min [dim] to box_max [dim]; `diagonal` is the report's D."""
+        control_points = np.ascontiguousarray(control_points, dtype=np.float64)
+        low, high = _numbers("box_min", box_min, None), _numbers("box_max", box_max, None)
+        dim, counts = control_points.ndim, np.array(control_points.shape, dtype=np.uint32)
+        if not len(low) == len(high) == dim:
+            raise _wrong(f"control_points has {dim} axes, box_min {len(low)}, box_max {len(high)}; they must be as many")
+        box, numbers = (_at(counts, c_uint32), _at(low), _at(high)), (_at(control_points), control_points.size)
         handle = _field()
-        status = _field_fit(cloud, ctypes.byref(own), ctypes.byref(handle))
-        field = cls(handle) if status >= 0 else None
-        if listener and listener.raised:
-            raise listener.raised
-        _check(status)
-        assert field is not None
-        return field
+        _check(_field_from_control_points(dim, *box, feasible, diagonal, *numbers, ctypes.byref(handle)))
+        return cls(handle)
+
+    def control_points(self) -> Array:
+        """A copy of the control points, with an axis for each of the box."""
+        control_points = np.empty(tuple(self.report().control_points)[: self.dim])
+        _check(_field_get_control_points(self, control_points.size, _at(control_points)))
+        return control_points
 
     @classmethod
     def load(cls, path: Union[str, os.PathLike]) -> Field:
@@ -664,6 +887,35 @@ class Field(_Handle):
             _check(_field_eval(self, _at(points), n, *outputs))
         else:
             _check(_field_eval_parallel(self, _at(points), n, *outputs, _count("n_threads", n_threads)))
+
+    def eval_lattice(
+        self, origin: npt.ArrayLike, steps: npt.ArrayLike, counts: Sequence[int], derivatives: int = 1, n_threads: int = 1
+    ) -> tuple[Array, ...]:
+        """Values [*counts] at origin [dim] plus multiples of steps [k, dim], below counts [k], with gradients [*counts, dim].
+
+        derivatives 0: values alone. n_threads 0: all cores.
+        """
+        if derivatives not in (0, 1):
+            raise _wrong(f"derivatives is {derivatives}; it must be 0 or 1")
+        origin = _numbers("origin", origin, self.dim)
+        steps = _numbers("steps", steps, self.dim)
+        sizes = _indices_of("counts", counts, None, np.uintp)
+        if len(origin) != 1 or len(steps) != len(sizes):
+            raise _wrong(f"{len(origin)} origins, {len(steps)} steps and {len(sizes)} counts; one, and a count a step, are needed")
+        shape = tuple(int(size) for size in sizes)
+        outputs = (np.empty(shape), np.empty((*shape, self.dim)))[: derivatives + 1]
+        to = (_at(outputs[0]), _at(outputs[1]) if derivatives else None)
+        at = (_at(origin), _at(steps), _at(sizes, c_size_t), len(steps))
+        _check(_field_eval_lattice(self, *at, *to, _count("n_threads", n_threads)))
+        return outputs
+
+    def level_set(
+        self, level: float = 0.0, options: Optional[LevelSetOptions] = None, progress: Optional[Progress] = None
+    ) -> LevelSet:
+        """phi = `level` within the field's box: triangles in space, curves in the plane. `progress` is told on this thread."""
+        plain = ko_level_set_options.from_buffer_copy(options or LevelSetOptions())
+        mesh, status = _make(Mesh, plain, progress, lambda own, to: _field_level_set(self, level, own, to))
+        return LevelSet(mesh, status == Status.OPEN_AT_BOX)
 
     def outside_box(self, points: npt.ArrayLike) -> Array:
         """Which of points [n, dim] are outside the field's box, [n] of bool."""
