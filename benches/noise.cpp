@@ -141,13 +141,13 @@ Points copies(Points points, const Frame &, double share) {
     return points;
 }
 
-enum class Normals { GIVEN, ESTIMATED };
+enum class Treatment { NONE, ESTIMATED, SMOOTHED };
 
 struct Flaw {
     const char *name;
     Points (*work_in)(Points points, const Frame &frame, double amount);
     double amount;
-    Normals normals = Normals::GIVEN;
+    Treatment treatment = Treatment::NONE;
 };
 
 const Flaw FLAWS[] = {
@@ -168,21 +168,32 @@ const Flaw FLAWS[] = {
     {"normals flipped in a patch, 2 %", flipped_patch, 0.02},
     {"normals flipped in a patch, 10 %", flipped_patch, 0.10},
     {"copies, 10 % of the points ten times", copies, 0.10},
-    {"any normals flipped, estimated anew", nullptr, 0, Normals::ESTIMATED},
-    {"Gaussian noise of 0.001 D, normals estimated", gaussian, 0.001, Normals::ESTIMATED},
-    {"Gaussian noise of 0.003 D, normals estimated", gaussian, 0.003, Normals::ESTIMATED},
-    {"outliers, 5 %, normals estimated", outliers, 0.05, Normals::ESTIMATED},
-    {"density falling 100 times, normals estimated", uneven, 100, Normals::ESTIMATED},
+    {"any normals flipped, estimated anew", nullptr, 0, Treatment::ESTIMATED},
+    {"Gaussian noise of 0.001 D, normals estimated", gaussian, 0.001, Treatment::ESTIMATED},
+    {"Gaussian noise of 0.003 D, normals estimated", gaussian, 0.003, Treatment::ESTIMATED},
+    {"outliers, 5 %, normals estimated", outliers, 0.05, Treatment::ESTIMATED},
+    {"density falling 100 times, normals estimated", uneven, 100, Treatment::ESTIMATED},
+    {"none, smoothed", nullptr, 0, Treatment::SMOOTHED},
+    {"Gaussian noise of 0.001 D, smoothed", gaussian, 0.001, Treatment::SMOOTHED},
+    {"Gaussian noise of 0.003 D, smoothed", gaussian, 0.003, Treatment::SMOOTHED},
+    {"Gaussian noise of 0.01 D, smoothed", gaussian, 0.01, Treatment::SMOOTHED},
 };
 
-Cloud cloud_of(const Points &points, Normals from) {
+Cloud cloud_of(const Points &points, Treatment treatment) {
     std::vector<double> at, normals;
     for (std::size_t i = 0; i < points.size(); ++i) {
         at.insert(at.end(), points.at[i].begin(), points.at[i].end());
         normals.insert(normals.end(), points.normals[i].begin(), points.normals[i].end());
     }
-    if (from == Normals::GIVEN) return cloud_from(3, at, normals);
     ko_cloud *cloud = nullptr;
+    if (treatment == Treatment::NONE) return cloud_from(3, at, normals);
+    if (treatment == Treatment::SMOOTHED) {
+        ko_smooth_options options;
+        check(ko_smooth_options_init(&options, sizeof options), "ko_smooth_options_init");
+        options.rounds = 2;
+        check(ko_cloud_smooth(cloud_from(3, at, normals).get(), &options, &cloud), "ko_cloud_smooth");
+        return Cloud(cloud);
+    }
     check(ko_cloud_estimate_normals(3, at.data(), points.size(), nullptr, &cloud, nullptr, 0, nullptr), "ko_cloud_estimate_normals");
     return Cloud(cloud);
 }
@@ -249,8 +260,8 @@ const char *const INTRODUCTION =
     "whose row looks like it does no harm. Points that are wrong, in place or normal, are those that the default fit believes most: take\n"
     "the robust one for outliers and normals flipped here and there; under noise it keeps more of the gradient. Where points are right\n"
     "but missing, or their density is uneven, it is the worse of both: it takes sparse points for outliers. Neither finds a patch of\n"
-    "flipped normals, in which each point agrees with its neighbours; the last rows drop all normals and estimate them by\n"
-    "ko_cloud_estimate_normals.\n\n"
+    "flipped normals, in which each point agrees with its neighbours; the rows near the end drop all normals and estimate them\n"
+    "by ko_cloud_estimate_normals, and the last smooth points and normals by two rounds of ko_cloud_smooth.\n\n"
     "Flaws: Gaussian noise moves each point by that deviation along each axis and leaves the normals. Outliers are added, uniform in the\n"
     "box, with any normals. Holes are the points within balls of radius 0.04 D, removed. Density falls along x. Normals are flipped at\n"
     "random, or those of the points nearest to one of them. Copies are points that are given again.\n\n";
@@ -262,7 +273,7 @@ void all(const Data &data) {
     std::printf("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (const Flaw &flaw : FLAWS) {
         const Points points = flaw.work_in ? flaw.work_in(truth.cloud, truth.frame, flaw.amount) : truth.cloud;
-        print_row(flaw.name, cloud_of(points, flaw.normals), truth);
+        print_row(flaw.name, cloud_of(points, flaw.treatment), truth);
     }
 }
 
