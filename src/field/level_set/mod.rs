@@ -152,7 +152,7 @@ pub fn extract<F: Function<D>, const D: usize>(
 
     let edges = crossings.list(&cubes)?;
     let tell = |done| progress.tell(0.4 + 0.2 * done, "vertices");
-    let mut surface = roots::find(phi, level, outward, (&cubes, &f), &edges, &workers, tell)?;
+    let mut surface = roots::find(question, (&cubes, &f), &edges, &workers, tell)?;
     drop(edges);
     surface.facets = assemble::facets(&cubes, &f, &crossings, outward, &workers)?;
     drop((f, crossings));

@@ -2,7 +2,7 @@
 
 use super::crossings::Crossing;
 use super::cubes::Cubes;
-use super::{Function, Surface};
+use super::{Function, Question, Surface};
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::vec::{add, dot, normalized, scale};
@@ -64,12 +64,10 @@ impl<const D: usize> Search<D> {
     }
 }
 
-/// The vertices of the level set {phi = `level`} on `crossings`, given phi - level `f` at the lattice vertices, and the unit normals
-/// there, along `sign` grad phi; `tell` hears the fraction done.
-pub(super) fn find<const D: usize>(
-    phi: &impl Function<D>,
-    level: f64,
-    sign: f64,
+/// The vertices of the level set on `crossings`, given phi - level `f` at the lattice vertices, and the unit normals there, outward; `tell`
+/// hears the fraction done.
+pub(super) fn find<F: Function<D>, const D: usize>(
+    question: &Question<F, D>,
     (cubes, f): (&Cubes<D>, &[f64]),
     crossings: &[Crossing],
     workers: &Workers,
@@ -89,8 +87,8 @@ pub(super) fn find<const D: usize>(
                 let (a, e) = (lattice.point(c.vertex), cubes.vector(c.axes));
                 Search { a, e, low: 0.0, high: 1.0, rises: f0 < 0.0, t: f0 / (f0 - f1), size: f64::INFINITY, slot }
             });
-            solve(phi, level, &mut searches, vertices, normals)?;
-            normals.iter_mut().for_each(|g| *g = normalized(scale(sign, *g)).unwrap_or([0.0; D]));
+            solve(question, &mut searches, vertices, normals)?;
+            normals.iter_mut().for_each(|g| *g = normalized(scale(question.outward, *g)).unwrap_or([0.0; D]));
             Ok(())
         })?;
         tell(range.end as f64 / n as f64)?;
@@ -101,9 +99,8 @@ pub(super) fn find<const D: usize>(
 }
 
 /// Runs at most a block of searches side by side; writes where each ends, and the last gradient that it saw.
-fn solve<const D: usize>(
-    phi: &impl Function<D>,
-    level: f64,
+fn solve<F: Function<D>, const D: usize>(
+    question: &Question<F, D>,
     searches: &mut dyn Iterator<Item = Search<D>>,
     vertices: &mut [[f64; D]],
     gradients: &mut [[f64; D]],
@@ -118,10 +115,10 @@ fn solve<const D: usize>(
         for (p, s) in points.iter_mut().zip(&active) {
             *p = add(s.a, scale(s.t, s.e));
         }
-        phi.gradients(&points[..n], &mut f[..n], &mut g[..n])?;
+        question.phi.gradients(&points[..n], &mut f[..n], &mut g[..n])?;
         let mut i = 0;
         active.retain_mut(|s| {
-            let done = s.step(f[i] - level, g[i]) || step + 1 == MOST_STEPS;
+            let done = s.step(f[i] - question.level, g[i]) || step + 1 == MOST_STEPS;
             if done {
                 vertices[s.slot] = add(s.a, scale(s.t.clamp(FROM_ENDS, 1.0 - FROM_ENDS), s.e));
                 gradients[s.slot] = g[i];
