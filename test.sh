@@ -33,6 +33,7 @@ packages() {
     need libc6-dev test -f /usr/include/stdio.h
     need gfortran command -v gfortran
     need python3-numpy find_numpy
+    need python3-matplotlib find_matplotlib
     need binutils command -v objcopy
     need cmake command -v cmake
     need ninja-build command -v ninja

@@ -9,13 +9,18 @@ need_rust() {
   return 1
 }
 
-# Finds a Python that has NumPy, into `python`: $PYTHON, that of the PATH, or Debian's, which is the one that Debian's NumPy is for.
-find_numpy() {
+# Finds a Python that has MODULE, into `python`: $PYTHON, that of the PATH, or Debian's, which is the one that Debian's modules are for.
+find_python() {
   for python in "${PYTHON:-}" python3 /usr/bin/python3; do
-    [ -n "$python" ] && "$python" -c 'import numpy' 2>/dev/null && return
+    [ -n "$python" ] && "$python" -c "import $1" 2>/dev/null && return
   done
   return 1
 }
+
+find_numpy() { find_python numpy; }
+
+# It brings NumPy and Pillow.
+find_matplotlib() { find_python matplotlib; }
 
 # Notes PACKAGE when the command TEST... fails.
 need() {

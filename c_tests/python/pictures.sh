@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# pictures.sh LIBRARY: makes the pictures of docs/pictures.md with LIBRARY, small and coarse, with the test data where they are, and without.
+# Where no Python has matplotlib the test counts as skipped (77), or as failed when KEEPOUT_REQUIRE_DATA is 1.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+source "$root/cmake/install_missing.sh"
+if ! find_matplotlib; then
+    echo "SKIPPED: there is no Python with matplotlib; set PYTHON to one" >&2
+    [[ ${KEEPOUT_REQUIRE_DATA:-0} == 1 ]] && exit 1
+    exit 77
+fi
+export KEEPOUT_LIBRARY=$1 PYTHONDONTWRITEBYTECODE=1 MPLCONFIGDIR=$PWD/matplotlib
+"$python" "$root/examples/python/pictures.py" --quick --out with_data
+KEEPOUT_DATA=$PWD/nothing "$python" "$root/examples/python/pictures.py" --quick --out without_data
+for picture in emblem figure_3 figure_4 figure_6 figure_7; do
+    [[ -s with_data/$picture.png && -s without_data/$picture.png ]]
+done
+rm -r with_data without_data matplotlib
