@@ -506,11 +506,11 @@ static void control_points_that_make_no_field(void) {
     CHECK(made == NULL);
 
     OK(ko_field_from_control_points(3, given.counts, given.box_min, given.box_max, 0, 2.0, given.numbers, 125, &made));
-    FAILS(ko_field_get_control_points(NULL, 125, given.numbers), KO_ERR_INVALID_ARGUMENT, "field is NULL");
-    FAILS(ko_field_get_control_points(made, 124, given.numbers), KO_ERR_INVALID_ARGUMENT,
+    FAILS(ko_field_copy_control_points(NULL, 125, given.numbers), KO_ERR_INVALID_ARGUMENT, "field is NULL");
+    FAILS(ko_field_copy_control_points(made, 124, given.numbers), KO_ERR_INVALID_ARGUMENT,
           "n_control_points is 124; the object has 125");
-    FAILS(ko_field_get_control_points(made, 125, NULL), KO_ERR_INVALID_ARGUMENT, "control_points is NULL");
-    FAILS(ko_field_get_control_points(made, 125, MISALIGNED(given.numbers)), KO_ERR_INVALID_ARGUMENT,
+    FAILS(ko_field_copy_control_points(made, 125, NULL), KO_ERR_INVALID_ARGUMENT, "control_points is NULL");
+    FAILS(ko_field_copy_control_points(made, 125, MISALIGNED(given.numbers)), KO_ERR_INVALID_ARGUMENT,
           "control_points is at");
     ko_field_free(made);
 }

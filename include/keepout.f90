@@ -408,7 +408,7 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
-    function ko_field_get_control_points(field, n_control_points, control_points) bind(c) result(status)
+    function ko_field_copy_control_points(field, n_control_points, control_points) bind(c) result(status)
       import
       type(c_ptr), value :: field
       integer(c_size_t), value :: n_control_points
@@ -1103,7 +1103,7 @@ contains
     status = ko_field_get_report(self%handle, c_sizeof(report), report)
     if (status < KO_OK) report%n_unknowns = 0
     allocate (control_points(report%n_unknowns))
-    if (status >= KO_OK) status = ko_field_get_control_points(self%handle, size(control_points, 1, c_size_t), control_points)
+    if (status >= KO_OK) status = ko_field_copy_control_points(self%handle, size(control_points, 1, c_size_t), control_points)
     call settle(status, stat, errmsg)
   end subroutine
 

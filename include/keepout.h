@@ -878,9 +878,9 @@ int32_t ko_field_from_control_points(uint32_t dim,
  * `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
  * KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
  */
-int32_t ko_field_get_control_points(const struct ko_field *field,
-                                    size_t n_control_points,
-                                    double *control_points);
+int32_t ko_field_copy_control_points(const struct ko_field *field,
+                                     size_t n_control_points,
+                                     double *control_points);
 
 /**
  * Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],

@@ -474,7 +474,7 @@ public:
     /// [report().n_unknowns], row-major over the counts of the report, the last axis contiguous.
     std::vector<double> control_points() const {
         std::vector<double> control_points(static_cast<std::size_t>(report().n_unknowns));
-        detail::check(ko_field_get_control_points(get(), control_points.size(), control_points.data()));
+        detail::check(ko_field_copy_control_points(get(), control_points.size(), control_points.data()));
         return control_points;
     }
 

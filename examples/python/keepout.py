@@ -342,7 +342,7 @@ _field_from_control_points = _bind(
     c_size_t,
     POINTER(_field),
 )
-_field_get_control_points = _bind("ko_field_get_control_points", c_int32, _field, c_size_t, _doubles)
+_field_copy_control_points = _bind("ko_field_copy_control_points", c_int32, _field, c_size_t, _doubles)
 _field_eval = _bind("ko_field_eval", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles)
 _field_eval_parallel = _bind(
     "ko_field_eval_parallel", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles, c_uint32
@@ -830,7 +830,7 @@ class Field(_Handle):
     def control_points(self) -> Array:
         """A copy of the control points, with an axis for each of the box."""
         control_points = np.empty(tuple(self.report().control_points)[: self.dim])
-        _check(_field_get_control_points(self, control_points.size, _at(control_points)))
+        _check(_field_copy_control_points(self, control_points.size, _at(control_points)))
         return control_points
 
     @classmethod
