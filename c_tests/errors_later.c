@@ -1,5 +1,5 @@
-/* The errors of what came after version 0.1, as errors.c has those of the first: curves, files of meshes, weights, estimated normals, level
- * sets, lattices, refits, control points. */
+/* The errors of what came after version 0.1, as errors.c has those of the first: curves, files of meshes, weights, estimated normals,
+ * smoothing, sides, level sets, lattices, refits, control points. */
 
 #include "check.h"
 #include <unistd.h>
@@ -266,6 +266,78 @@ static void options_of_normals_are_checked(void) {
     free(points);
 }
 
+/* ---- smoothing and sides ---- */
+
+/* Smoothing with the option at `member` set to `value` must fail so. */
+#define SMOOTH_OPTION_FAILS(member, value, words)                                             \
+    do {                                                                                      \
+        ko_smooth_options options;                                                            \
+        ko_cloud *made = STALE(ko_cloud);                                                     \
+        OK(ko_smooth_options_init(&options, sizeof options));                                 \
+        options.member = (value);                                                             \
+        FAILS(ko_cloud_smooth(cloud, &options, &made), KO_ERR_INVALID_ARGUMENT, (words));     \
+        CHECK(made == NULL);                                                                  \
+    } while (0)
+
+static void smoothing_is_checked(ko_cloud *cloud) {
+    ko_cloud *made = STALE(ko_cloud);
+    FAILS(ko_cloud_smooth(NULL, NULL, &made), KO_ERR_INVALID_ARGUMENT, "cloud is NULL");
+    CHECK(made == NULL);
+    FAILS(ko_cloud_smooth(cloud, NULL, NULL), KO_ERR_INVALID_ARGUMENT, "smoothed is NULL");
+    FAILS(ko_cloud_smooth(cloud, NULL, MISALIGNED(&made)), KO_ERR_INVALID_ARGUMENT, "smoothed is at");
+    SMOOTH_OPTION_FAILS(neighbours, 3, "neighbours is 3; it must lie in [4, 128]");
+    SMOOTH_OPTION_FAILS(neighbours, 129, "neighbours is 129; it must lie in [4, 128]");
+    SMOOTH_OPTION_FAILS(rounds, 0, "rounds is 0; it must lie in [1, 100]");
+    SMOOTH_OPTION_FAILS(rounds, 101, "rounds is 101; it must lie in [1, 100]");
+    SMOOTH_OPTION_FAILS(n_threads, 1025, "n_threads is 1025");
+    SMOOTH_OPTION_FAILS(reserved, 3, "reserved is 3");
+    SMOOTH_OPTION_FAILS(struct_size, 0, "struct_size 0");
+    SMOOTH_OPTION_FAILS(struct_size, 8, "struct_size 8");
+    SMOOTH_OPTION_FAILS(struct_size, 1 << 20, "struct_size 1048576");
+    struct {
+        ko_smooth_options options;
+        unsigned char newer[16];
+    } grown;
+    OK(ko_smooth_options_init(&grown.options, sizeof grown));
+    grown.newer[9] = 1;
+    FAILS(ko_cloud_smooth(cloud, &grown.options, &made), KO_ERR_UNSUPPORTED, "newer");
+    FAILS(ko_cloud_smooth(cloud, MISALIGNED(&grown.options), &made), KO_ERR_INVALID_ARGUMENT, "options is at");
+    FAILS(ko_smooth_options_init(NULL, sizeof grown.options), KO_ERR_INVALID_ARGUMENT, "options is NULL");
+    FAILS(ko_smooth_options_init(&grown.options, 8), KO_ERR_INVALID_ARGUMENT, "struct_size 8");
+
+    ko_smooth_options options;
+    OK(ko_smooth_options_init(&options, sizeof options));
+    int left = 0, calls = 0;
+    options.rounds = 4;
+    options.progress = cancel;
+    options.progress_data = &left;
+    while (made == NULL && calls < 10000) {
+        left = calls++;
+        made = STALE(ko_cloud);
+        int32_t status = ko_cloud_smooth(cloud, &options, &made);
+        CHECK(status == (made == NULL ? KO_ERR_CANCELLED : KO_OK));
+    }
+    CHECK(calls > 3 && made != NULL);
+    ko_cloud_free(made);
+}
+
+static void sides_are_asked_for_points(ko_cloud *cloud, size_t dim) {
+    double points[30], sides[10];
+    memset(points, 0, sizeof points);
+    FAILS(ko_cloud_sides(NULL, points, 10, sides), KO_ERR_INVALID_ARGUMENT, "cloud is NULL");
+    FAILS(ko_cloud_sides(NULL, NULL, 0, NULL), KO_ERR_INVALID_ARGUMENT, "cloud is NULL");
+    FAILS(ko_cloud_sides(cloud, NULL, 10, sides), KO_ERR_INVALID_ARGUMENT, "points is NULL");
+    FAILS(ko_cloud_sides(cloud, points, 10, NULL), KO_ERR_INVALID_ARGUMENT, "sides is NULL");
+    FAILS(ko_cloud_sides(cloud, MISALIGNED(points), 9, sides), KO_ERR_INVALID_ARGUMENT, "points is at");
+    FAILS(ko_cloud_sides(cloud, points, 9, MISALIGNED(sides)), KO_ERR_INVALID_ARGUMENT, "sides is at");
+    FAILS(ko_cloud_sides(cloud, points, SIZE_MAX / 8, sides), KO_ERR_INVALID_ARGUMENT, "is said to have");
+    points[dim * 7 + 1] = nan_value;
+    FAILS(ko_cloud_sides(cloud, points, 10, sides), KO_ERR_INVALID_ARGUMENT, "point 7 is ");
+    points[dim * 4] = -INFINITY;
+    FAILS(ko_cloud_sides(cloud, points, 10, sides), KO_ERR_INVALID_ARGUMENT, "point 4 is ");
+    OK(ko_cloud_sides(cloud, points, 4, sides));
+}
+
 /* ---- level sets ---- */
 
 /* Level sets that fail so. */
@@ -506,11 +578,11 @@ static void control_points_that_make_no_field(void) {
     CHECK(made == NULL);
 
     OK(ko_field_from_control_points(3, given.counts, given.box_min, given.box_max, 0, 2.0, given.numbers, 125, &made));
-    FAILS(ko_field_get_control_points(NULL, 125, given.numbers), KO_ERR_INVALID_ARGUMENT, "field is NULL");
-    FAILS(ko_field_get_control_points(made, 124, given.numbers), KO_ERR_INVALID_ARGUMENT,
+    FAILS(ko_field_copy_control_points(NULL, 125, given.numbers), KO_ERR_INVALID_ARGUMENT, "field is NULL");
+    FAILS(ko_field_copy_control_points(made, 124, given.numbers), KO_ERR_INVALID_ARGUMENT,
           "n_control_points is 124; the object has 125");
-    FAILS(ko_field_get_control_points(made, 125, NULL), KO_ERR_INVALID_ARGUMENT, "control_points is NULL");
-    FAILS(ko_field_get_control_points(made, 125, MISALIGNED(given.numbers)), KO_ERR_INVALID_ARGUMENT,
+    FAILS(ko_field_copy_control_points(made, 125, NULL), KO_ERR_INVALID_ARGUMENT, "control_points is NULL");
+    FAILS(ko_field_copy_control_points(made, 125, MISALIGNED(given.numbers)), KO_ERR_INVALID_ARGUMENT,
           "control_points is at");
     ko_field_free(made);
 }
@@ -522,6 +594,13 @@ int main(void) {
     weights_that_weigh_nothing_are_refused();
     points_without_normals_are_refused();
     options_of_normals_are_checked();
+    ko_cloud *sphere = check_sphere(100), *circle = check_circle(100);
+    smoothing_is_checked(sphere);
+    smoothing_is_checked(circle);
+    sides_are_asked_for_points(sphere, 3);
+    sides_are_asked_for_points(circle, 2);
+    ko_cloud_free(sphere);
+    ko_cloud_free(circle);
     ko_field *space = check_sphere_field(5), *plane = check_circle_field(6);
     level_sets_that_are_not_are_refused(space);
     level_sets_that_are_not_are_refused(plane);

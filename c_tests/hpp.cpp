@@ -173,6 +173,78 @@ static void normals_are_estimated() {
     THROWS(keepout::Cloud::estimate_normals(std::vector<double>(7)), KO_ERR_INVALID_ARGUMENT, "points has 7 numbers");
 }
 
+static void clouds_are_smoothed() {
+    for (const std::uint32_t dim : {2u, 3u}) {
+        const std::size_t n = 1000;
+        double *shape = dim == 2 ? check_circle_points(n) : check_sphere_points(n);
+        const std::vector<double> normals(shape, shape + dim * n);
+        std::free(shape);
+        std::vector<double> points = normals;
+        std::uint64_t seed = 5;
+        for (double &x : points) {
+            x += 0.02 * (2.0 * check_random(&seed) - 1.0);
+        }
+        const auto error = [&](const keepout::Cloud &cloud) {
+            double sum = 0.0;
+            const std::vector<double> found = cloud.points();
+            for (std::size_t i = 0; i < n; i++) {
+                double squares = 0.0;
+                for (std::size_t a = 0; a < dim; a++) {
+                    squares += found[dim * i + a] * found[dim * i + a];
+                }
+                sum += std::abs(std::sqrt(squares) - 1.0);
+            }
+            return sum;
+        };
+        const keepout::Cloud cloud = keepout::Cloud::from_points(points, normals, dim), once = cloud.smooth();
+        CHECK(once.dim() == dim && once.size() == n && error(once) < 0.75 * error(cloud));
+        double last = -1.0;
+        keepout::SmoothOptions options;
+        options.rounds = 3;
+        options.on_progress = [&](double fraction, const char *) {
+            last = fraction;
+            return keepout::Progress::go_on;
+        };
+        CHECK(error(cloud.smooth(options)) < error(once) && last == 1.0);
+        options.on_progress = [](double, const char *) { return keepout::Progress::cancel; };
+        THROWS(cloud.smooth(options), KO_ERR_CANCELLED, "cancelled");
+        options.on_progress = nullptr;
+        options.rounds = 0;
+        THROWS(cloud.smooth(options), KO_ERR_INVALID_ARGUMENT, "rounds is 0");
+        for (const double when : {0.0, 1.0}) {
+            options.rounds = 1;
+            options.on_progress = [&](double fraction, const char *stage) {
+                if (fraction >= when) {
+                    throw std::out_of_range(stage);
+                }
+                return keepout::Progress::go_on;
+            };
+            bool caught = false;
+            try {
+                cloud.smooth(options);
+            } catch (const std::out_of_range &) {
+                caught = true;
+            }
+            CHECK(caught);
+        }
+    }
+}
+
+static void clouds_have_sides() {
+    const keepout::Cloud space = cube().sample(1000, 1), plane = frame().sample(400, 1);
+    const std::vector<double> found = space.sides(std::array<double, 9>{0, 0, 0, 1.5, 0, 0, 9, 9, 9});
+    CHECK(found.size() == 3 && found[0] < -0.75 && found[1] > 0.75 && found[2] > 0.75);
+    std::vector<double> sides(2);
+    const std::vector<double> points = {0, 0, 0.75, 0};
+    plane.sides(points, sides);
+    CHECK(sides[0] > 0.75 && sides[1] < -0.75 && plane.sides(points) == sides);
+    CHECK(space.sides({}).empty());
+    CHECK_NEAR(keepout::Field::fit(space, small_fit()).report().clear_sides, 1.0, 0.01);
+    THROWS(space.sides(std::vector<double>(4)), KO_ERR_INVALID_ARGUMENT, "points has 4 numbers");
+    THROWS(plane.sides(std::vector<double>(6), sides), KO_ERR_INVALID_ARGUMENT, "sides has room for 2 entries; 3");
+    THROWS(plane.sides(std::vector<double>{0, 0, 0, NAN}), KO_ERR_INVALID_ARGUMENT, "point 1 is ");
+}
+
 /// A field goes on to a cloud nearby, and comes back from its control points.
 static void fields_are_made_of_fields() {
     const keepout::Cloud cloud = cube().sample(500, 1);
@@ -331,6 +403,8 @@ int main() {
     planes();
     meshes_are_given_away();
     normals_are_estimated();
+    clouds_are_smoothed();
+    clouds_have_sides();
     fields_are_made_of_fields();
     lattices_are_evaluated();
     level_sets_are_meshes();

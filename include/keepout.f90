@@ -81,6 +81,17 @@ module keepout_c
     real(c_double) :: seconds
   end type
 
+  ! Made by keepout_smooth_options() with the defaults.
+  type, bind(c) :: ko_smooth_options
+    integer(c_size_t) :: struct_size
+    integer(c_int32_t) :: neighbours
+    integer(c_int32_t) :: rounds
+    integer(c_int32_t) :: n_threads
+    integer(c_int32_t) :: reserved
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
   ! Made by keepout_fit_options() with the defaults.
   type, bind(c) :: ko_fit_options
     integer(c_size_t) :: struct_size
@@ -122,6 +133,7 @@ module keepout_c
     real(c_double) :: max
     real(c_double) :: mean_gradient
     integer(c_int64_t) :: n_outliers
+    real(c_double) :: clear_sides
   end type
 
   ! Made by keepout_level_set_options() with the defaults.
@@ -339,6 +351,15 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
+    function ko_cloud_sides(cloud, points, n_points, sides) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      real(c_double), intent(inout) :: sides(*)
+      integer(c_int32_t) :: status
+    end function
+
     function ko_cloud_copy_origins(cloud, n_points, triangles, barycentric) bind(c) result(status)
       import
       type(c_ptr), value :: cloud
@@ -366,6 +387,21 @@ module keepout_c
       type(c_ptr), value :: flags
       integer(c_size_t), value :: report_size
       type(c_ptr), value :: report
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_smooth_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_smooth_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_smooth(cloud, options, smoothed) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      type(ko_smooth_options), intent(in) :: options
+      type(c_ptr), intent(out) :: smoothed
       integer(c_int32_t) :: status
     end function
 
@@ -408,7 +444,7 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
-    function ko_field_get_control_points(field, n_control_points, control_points) bind(c) result(status)
+    function ko_field_copy_control_points(field, n_control_points, control_points) bind(c) result(status)
       import
       type(c_ptr), value :: field
       integer(c_size_t), value :: n_control_points
@@ -565,6 +601,8 @@ module keepout
     procedure :: copy => cloud_copy
     procedure :: copy_origins => cloud_copy_origins
     procedure :: set_weights => cloud_set_weights
+    procedure :: smooth => cloud_smooth
+    procedure :: sides => cloud_sides
     procedure :: c_handle => cloud_c_handle
     procedure, private :: cloud_assign
     generic :: assignment(=) => cloud_assign
@@ -632,7 +670,7 @@ module keepout
   private :: mesh_write, mesh_copy_polylines, cloud_estimate_normals, field_refit, field_from_control_points, field_control_points
   private :: field_eval_lattice, field_level_set, listen
   private :: cloud_from_points, cloud_free, cloud_dim, cloud_n_points, cloud_copy, cloud_copy_origins, cloud_set_weights
-  private :: cloud_c_handle, cloud_assign, cloud_final
+  private :: cloud_smooth, cloud_sides, cloud_c_handle, cloud_assign, cloud_final
   private :: field_fit, field_load, field_save, field_free, field_dim, field_report, field_eval, field_eval_parallel
   private :: field_outside_box, field_c_handle, field_assign, field_final, addresses, pass_on, hear_progress
 
@@ -669,6 +707,12 @@ contains
   function keepout_normal_options() result(options)
     type(ko_normal_options) :: options
     call settle(ko_normal_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of smoothing with the defaults.
+  function keepout_smooth_options() result(options)
+    type(ko_smooth_options) :: options
+    call settle(ko_smooth_options_init(options, c_sizeof(options)))
   end function
 
   ! Options of level sets with the defaults.
@@ -952,6 +996,41 @@ contains
     call settle(ko_cloud_set_weights(self%handle, weights, size(weights, 1, c_size_t)), stat, errmsg)
   end subroutine
 
+  ! Makes `smoothed` this cloud with noise smoothed out of points and normals, which must be about right before; weights stay, origins
+  ! go. `listener` is told of progress, on this thread.
+  subroutine cloud_smooth(self, smoothed, options, listener, stat, errmsg)
+    class(keepout_cloud), intent(in) :: self
+    type(keepout_cloud), intent(inout) :: smoothed
+    type(ko_smooth_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_smooth_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_smooth_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    status = ko_cloud_smooth(self%handle, plain, handle)
+    if (status >= KO_OK) call cloud_adopt(smoothed, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! On which side points (dim, n) lie, into sides (n): 1 where the normals point to, -1 behind them, towards 0 where there are none.
+  subroutine cloud_sides(self, points, sides, stat, errmsg)
+    class(keepout_cloud), intent(in) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(inout), contiguous :: sides(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_size("points", "rows", size(points, 1), self%width, stat, errmsg)) return
+      if (.not. right_size("sides", "entries", size(sides), size(points, 2), stat, errmsg)) return
+    end if
+    call settle(ko_cloud_sides(self%handle, points, size(points, 2, c_size_t), sides), stat, errmsg)
+  end subroutine
+
   ! For calls of keepout_c; it stays the cloud's.
   pure function cloud_c_handle(self) result(handle)
     class(keepout_cloud), intent(in) :: self
@@ -1103,7 +1182,7 @@ contains
     status = ko_field_get_report(self%handle, c_sizeof(report), report)
     if (status < KO_OK) report%n_unknowns = 0
     allocate (control_points(report%n_unknowns))
-    if (status >= KO_OK) status = ko_field_get_control_points(self%handle, size(control_points, 1, c_size_t), control_points)
+    if (status >= KO_OK) status = ko_field_copy_control_points(self%handle, size(control_points, 1, c_size_t), control_points)
     call settle(status, stat, errmsg)
   end subroutine
 

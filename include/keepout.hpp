@@ -167,6 +167,13 @@ struct NormalOptions : ko_normal_options {
     OnProgress on_progress;
 };
 
+/// ko_smooth_options with the defaults.
+struct SmoothOptions : ko_smooth_options {
+    SmoothOptions() : ko_smooth_options() { detail::check(ko_smooth_options_init(this, sizeof(ko_smooth_options))); }
+
+    OnProgress on_progress;
+};
+
 /// ko_level_set_options with the defaults.
 struct LevelSetOptions : ko_level_set_options {
     LevelSetOptions() : ko_level_set_options() {
@@ -271,6 +278,28 @@ public:
     /// Gives each point a weight, weights [size()]: how much a fit trusts it. Points of weight 0 take no part.
     void set_weights(Span<const double> weights) {
         detail::check(ko_cloud_set_weights(get(), weights.data(), weights.size()));
+    }
+
+    /// A cloud with noise smoothed out of points and normals, which must be about right before; weights stay, origins go.
+    Cloud smooth(const SmoothOptions &options = {}) const {
+        ko_cloud *handle = nullptr;
+        detail::listened<ko_smooth_options>(options, handle, ko_cloud_free, [&](const ko_smooth_options &plain, ko_cloud **cloud) {
+            return ko_cloud_smooth(get(), &plain, cloud);
+        });
+        return Cloud(handle);
+    }
+
+    /// On which side points [dim() * n] lie, into `sides` [n]: 1 where the normals point to, -1 behind them, towards 0 where there are none.
+    void sides(Span<const double> points, Span<double> sides) const {
+        const std::size_t n = detail::count("points", points.size(), dim_);
+        detail::check_size("sides", sides.size(), n);
+        detail::check(ko_cloud_sides(get(), points.data(), n, sides.data()));
+    }
+
+    std::vector<double> sides(Span<const double> points) const {
+        std::vector<double> found(detail::count("points", points.size(), dim_));
+        sides(points, found);
+        return found;
     }
 
     struct Origins {
@@ -474,7 +503,7 @@ public:
     /// [report().n_unknowns], row-major over the counts of the report, the last axis contiguous.
     std::vector<double> control_points() const {
         std::vector<double> control_points(static_cast<std::size_t>(report().n_unknowns));
-        detail::check(ko_field_get_control_points(get(), control_points.size(), control_points.data()));
+        detail::check(ko_field_copy_control_points(get(), control_points.size(), control_points.data()));
         return control_points;
     }
 

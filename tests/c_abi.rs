@@ -81,6 +81,11 @@ fn normals() {
 }
 
 #[test]
+fn clouds() {
+    run("clouds", &[]);
+}
+
+#[test]
 fn refits() {
     run("refits", &[]);
 }

@@ -7,8 +7,19 @@ fn the_committed_header_is_up_to_date() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).expect("cbindgen.toml is read");
     // In the order in which a newcomer reads them.
-    let files =
-        ["status", "version", "progress", "mesh", "cloud", "normals", "fit_options", "field", "level_set", "report"];
+    let files = [
+        "status",
+        "version",
+        "progress",
+        "mesh",
+        "cloud",
+        "normals",
+        "smooth",
+        "fit_options",
+        "field",
+        "level_set",
+        "report",
+    ];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))
     });
@@ -42,6 +53,7 @@ fn the_header_tells_the_defaults_of_the_code() {
     let d = keepout::field::FitOptions::default();
     let l = keepout::field::LevelSetOptions::default();
     let n = keepout::geometry::orient::NormalOptions::default();
+    let s = keepout::geometry::smooth::SmoothOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
         ("margin", d.margin),
@@ -54,6 +66,7 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("shortest_edge", l.shortest_edge),
         ("relaxations", f64::from(l.relaxations)),
         ("outlier_factor", n.outlier_factor),
+        ("rounds", f64::from(s.rounds)),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");

@@ -43,6 +43,8 @@ program keepout_test
   call derivatives_are_those_of_the_values()
   call meshes_are_given_away()
   call normals_are_estimated()
+  call clouds_are_smoothed()
+  call clouds_have_sides()
   call fields_are_made_of_fields()
   call lattices_are_evaluated()
   call level_sets_are_meshes()
@@ -255,6 +257,78 @@ contains
     call plain%estimate_normals(shape_of, options, stat=stat, errmsg=errmsg)
     call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "neighbours")
     call holds(plain%dim() == 2, "an estimate that fails leaves the cloud as it was")
+  end subroutine
+
+  subroutine clouds_are_smoothed()
+    integer, parameter :: n = 1000
+    type(keepout_cloud) :: cloud, smoothed
+    type(counter) :: listener
+    type(ko_smooth_options) :: options
+    real(c_double) :: sphere(3, n), noise(3, n), r
+    real(c_double), allocatable :: points(:, :), normals(:, :)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    integer :: i
+    do i = 1, n
+      sphere(3, i) = 1 - (2.0_c_double * i - 1) / n
+      r = sqrt(1 - sphere(3, i)**2)
+      sphere(:2, i) = r * [cos(2.4_c_double * i), sin(2.4_c_double * i)]
+      noise(:, i) = 0.02_c_double * [sin(17.0_c_double * i), sin(29.0_c_double * i), sin(43.0_c_double * i)]
+    end do
+    call cloud%from_points(sphere + noise, sphere)
+    options = keepout_smooth_options()
+    call holds(options%rounds == 1 .and. options%neighbours == 0, "keepout_smooth_options")
+    options%rounds = 2
+    call cloud%smooth(smoothed, options, listener)
+    call holds(listener%last >= 1 .and. smoothed%dim() == 3 .and. smoothed%n_points() == n, "cloud%smooth")
+    call smoothed%copy(points, normals)
+    call holds(sum((norm2(points, 1) - 1)**2) < sum((norm2(sphere + noise, 1) - 1)**2) / 2, "noise of a smoothed cloud")
+    call cloud%from_points(sphere(:2, :) / spread(norm2(sphere(:2, :), 1), 1, 2), sphere(:2, :))
+    call cloud%smooth(smoothed)
+    call holds(smoothed%dim() == 2 .and. smoothed%n_points() == n, "smoothing in the plane")
+    listener = counter(until=0.0_c_double)
+    call cloud%smooth(smoothed, listener=listener, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_CANCELLED, "cancelled")
+    options%rounds = 0
+    call cloud%smooth(smoothed, options, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "rounds is 0")
+    call holds(smoothed%dim() == 2, "smoothing that fails leaves the cloud as it was")
+    call cloud%free()
+    call cloud%smooth(smoothed, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "cloud is NULL")
+  end subroutine
+
+  subroutine clouds_have_sides()
+    use, intrinsic :: ieee_arithmetic, only: ieee_value, ieee_quiet_nan
+    type(keepout_mesh) :: mesh
+    type(keepout_cloud) :: cloud
+    type(keepout_field) :: field
+    type(ko_fit_report) :: report
+    real(c_double) :: points(3, 2), sides(2)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    call frame(mesh)
+    call mesh%sample(400, 1, cloud)
+    call cloud%sides(reshape(real([0, 0, 3, 0], c_double) / 4, [2, 2]), sides)
+    call holds(sides(1) > 0.75 .and. sides(2) < -0.75, "sides in the plane")
+    call cube(mesh)
+    call mesh%sample(1000, 1, cloud)
+    points = reshape(real([0, 0, 0, 3, 0, 0], c_double) / 2, [3, 2])
+    call cloud%sides(points, sides)
+    call holds(sides(1) < -0.75 .and. sides(2) > 0.75, "cloud%sides")
+    call field%fit(cloud, small_fit(8))
+    call field%report(report)
+    call near(report%clear_sides, 1.0_c_double, 0.01_c_double, "clear_sides of a closed shape")
+    call cloud%sides(points(:2, :), sides, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "points has 2 rows; 3 are needed")
+    call cloud%sides(points, sides(:1), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "sides has 1 entries; 2 are needed")
+    points(2, 2) = ieee_value(points(2, 2), ieee_quiet_nan)
+    call cloud%sides(points, sides, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "point 1 is ")
+    call cloud%free()
+    call cloud%sides(points, sides, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "cloud is NULL")
   end subroutine
 
   ! A field goes on to a cloud nearby, and comes back from its control points.

@@ -5,6 +5,7 @@
 size_t layout_mesh_report(size_t *offsets);
 size_t layout_normal_options(size_t *offsets);
 size_t layout_normal_report(size_t *offsets);
+size_t layout_smooth_options(size_t *offsets);
 size_t layout_fit_options(size_t *offsets);
 size_t layout_fit_report(size_t *offsets);
 size_t layout_level_set_options(size_t *offsets);
@@ -79,6 +80,7 @@ size_t layout_fit_report(size_t *offsets) {
     PUT(max);
     PUT(mean_gradient);
     PUT(n_outliers);
+    PUT(clear_sides);
     return sizeof(STRUCT);
 }
 #undef STRUCT
@@ -106,6 +108,19 @@ size_t layout_normal_report(size_t *offsets) {
     PUT(n_doubtful);
     PUT(agreement);
     PUT(seconds);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_smooth_options
+size_t layout_smooth_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(neighbours);
+    PUT(rounds);
+    PUT(n_threads);
+    PUT(reserved);
+    PUT(progress);
+    PUT(progress_data);
     return sizeof(STRUCT);
 }
 #undef STRUCT

@@ -39,6 +39,12 @@ module layout
       integer(c_size_t) :: bytes
     end function
 
+    function layout_smooth_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
     function layout_level_set_options(offsets) bind(c) result(bytes)
       import :: c_size_t
       integer(c_size_t), intent(inout) :: offsets(*)
@@ -54,6 +60,7 @@ contains
     call check_fit_report()
     call check_normal_options()
     call check_normal_report()
+    call check_smooth_options()
     call check_level_set_options()
   end subroutine
 
@@ -114,7 +121,7 @@ contains
 
   subroutine check_fit_report()
     type(ko_fit_report), target :: x
-    integer(c_size_t) :: right(19), found(19)
+    integer(c_size_t) :: right(20), found(20)
     call equal(c_sizeof(x), layout_fit_report(right), "bytes of ko_fit_report")
     found(1) = offset(c_loc(x), c_loc(x%struct_size))
     found(2) = offset(c_loc(x), c_loc(x%dim))
@@ -135,6 +142,7 @@ contains
     found(17) = offset(c_loc(x), c_loc(x%max))
     found(18) = offset(c_loc(x), c_loc(x%mean_gradient))
     found(19) = offset(c_loc(x), c_loc(x%n_outliers))
+    found(20) = offset(c_loc(x), c_loc(x%clear_sides))
     call holds(all(found == right), "offsets in ko_fit_report")
   end subroutine
 
@@ -165,6 +173,20 @@ contains
     found(7) = offset(c_loc(x), c_loc(x%agreement))
     found(8) = offset(c_loc(x), c_loc(x%seconds))
     call holds(all(found == right), "offsets in ko_normal_report")
+  end subroutine
+
+  subroutine check_smooth_options()
+    type(ko_smooth_options), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_smooth_options(right), "bytes of ko_smooth_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%neighbours))
+    found(3) = offset(c_loc(x), c_loc(x%rounds))
+    found(4) = offset(c_loc(x), c_loc(x%n_threads))
+    found(5) = offset(c_loc(x), c_loc(x%reserved))
+    found(6) = offset(c_loc(x), c_loc(x%progress))
+    found(7) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_smooth_options")
   end subroutine
 
   subroutine check_level_set_options()

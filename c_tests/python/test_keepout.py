@@ -138,6 +138,44 @@ class Geometry(TestCase):
         with self.fails(Status.INVALID_ARGUMENT, "dim is 4"):
             Cloud.from_points(np.ones((5, 4)))
 
+    def test_smoothing(self):
+        angle = np.linspace(0, 2 * np.pi, 500, endpoint=False)
+        circle = np.column_stack((np.cos(angle), np.sin(angle)))
+        random = np.random.default_rng(7)
+        ball = random.normal(size=(1500, 3))
+
+        def error(cloud: Cloud) -> float:
+            return np.abs(np.linalg.norm(cloud.points(), axis=1) - 1).mean()
+
+        for normals in (circle, ball / np.linalg.norm(ball, axis=1)[:, None]):
+            cloud = Cloud.from_points(normals + random.uniform(-0.02, 0.02, normals.shape), normals)
+            once, heard = cloud.smooth(), []
+            options = keepout.SmoothOptions(rounds=3, n_threads=1)
+            thrice = cloud.smooth(options, lambda *told: heard.append(told[0]))
+            self.assertEqual((once.dim, len(once), heard[-1]), (cloud.dim, len(cloud), 1.0))
+            self.assertLess(error(once), 0.75 * error(cloud))
+            self.assertLess(error(thrice), error(once))
+            with self.fails(Status.CANCELLED, "cancelled"):
+                cloud.smooth(progress=lambda *_: False)
+            with self.fails(Status.INVALID_ARGUMENT, "neighbours is 3"):
+                cloud.smooth(keepout.SmoothOptions(neighbours=3))
+
+    def test_sides(self):
+        np.testing.assert_allclose(cube().sample(1000).sides([[0, 0, 0], [1.5, 0, 0], [9, 9, 9]]), [-1, 1, 1], atol=0.25)
+        plane = frame().sample(400)
+        np.testing.assert_allclose(plane.sides([[0, 0], [0.75, 0]]), [1, -1], atol=0.25)
+        self.assertEqual(plane.sides(np.empty((0, 2))).shape, (0,))
+        line = Cloud.from_points(np.column_stack((np.linspace(-1, 1, 200), np.zeros(200))), np.tile([0.0, 1.0], (200, 1)))
+        np.testing.assert_allclose(line.sides([[0, 0.05], [0, -0.05], [0, 20]]), [1, -1, 0], atol=0.15)
+        self.assertAlmostEqual(Field.fit(plane, small_fit(16)).report().clear_sides, 1)
+        angle = np.linspace(0, np.pi, 200)
+        half = np.column_stack((np.cos(angle), np.sin(angle)))
+        self.assertLess(Field.fit(Cloud.from_points(half, half), small_fit(16)).report().clear_sides, 0.9)
+        with self.fails(Status.INVALID_ARGUMENT, "points has the shape (1, 3); [n, 2] is needed"):
+            plane.sides([[0, 0, 0]])
+        with self.fails(Status.INVALID_ARGUMENT, "point 1 is "):
+            plane.sides([[0, 0], [0, np.nan]])
+
 
 class Fields(TestCase):
     def check_derivatives(self, field: Field, half: float) -> None:
@@ -251,7 +289,7 @@ class Fields(TestCase):
         plane = Field.fit(frame().sample(400, seed=1)).level_set().mesh
         self.assertEqual(list(plane.polylines().closed), [True, True])
 
-    def test_sides(self):
+    def test_feasible_side(self):
         cloud = cube().sample(300)
         inside = Field.fit(cloud, small_fit(feasible=keepout.Feasible.INSIDE))
         self.assertGreater(inside([0, 0, 0])[0], 0)

@@ -176,6 +176,20 @@ class ko_normal_report(_Struct):
     ]
 
 
+class ko_smooth_options(_Struct):
+    """Options of Cloud.smooth; see SmoothOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("neighbours", c_uint32),
+        ("rounds", c_uint32),
+        ("n_threads", c_uint32),
+        ("reserved", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
 class ko_fit_options(_Struct):
     """Options of Field.fit; see FitOptions."""
 
@@ -223,6 +237,7 @@ class ko_fit_report(_Struct):
         ("max", c_double),
         ("mean_gradient", c_double),
         ("n_outliers", c_uint64),
+        ("clear_sides", c_double),
     ]
 
 
@@ -311,6 +326,7 @@ _cloud_get_dim = _bind("ko_cloud_get_dim", c_int32, _cloud, POINTER(c_uint32))
 _cloud_get_size = _bind("ko_cloud_get_size", c_int32, _cloud, POINTER(c_size_t))
 _cloud_copy = _bind("ko_cloud_copy", c_int32, _cloud, c_size_t, _doubles, _doubles)
 _cloud_set_weights = _bind("ko_cloud_set_weights", c_int32, _cloud, _doubles, c_size_t)
+_cloud_sides = _bind("ko_cloud_sides", c_int32, _cloud, _doubles, c_size_t, _doubles)
 _cloud_copy_origins = _bind("ko_cloud_copy_origins", c_int32, _cloud, c_size_t, _indices, _doubles)
 _normal_options_init = _bind("ko_normal_options_init", c_int32, POINTER(ko_normal_options), c_size_t)
 _cloud_estimate_normals = _bind(
@@ -325,6 +341,8 @@ _cloud_estimate_normals = _bind(
     c_size_t,
     POINTER(ko_normal_report),
 )
+_smooth_options_init = _bind("ko_smooth_options_init", c_int32, POINTER(ko_smooth_options), c_size_t)
+_cloud_smooth = _bind("ko_cloud_smooth", c_int32, _cloud, POINTER(ko_smooth_options), POINTER(_cloud))
 
 _fit_options_init = _bind("ko_fit_options_init", c_int32, POINTER(ko_fit_options), c_size_t)
 _field_fit = _bind("ko_field_fit", c_int32, _cloud, POINTER(ko_fit_options), POINTER(_field))
@@ -342,7 +360,7 @@ _field_from_control_points = _bind(
     c_size_t,
     POINTER(_field),
 )
-_field_get_control_points = _bind("ko_field_get_control_points", c_int32, _field, c_size_t, _doubles)
+_field_copy_control_points = _bind("ko_field_copy_control_points", c_int32, _field, c_size_t, _doubles)
 _field_eval = _bind("ko_field_eval", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles)
 _field_eval_parallel = _bind(
     "ko_field_eval_parallel", c_int32, _field, _doubles, c_size_t, _doubles, _doubles, _doubles, c_uint32
@@ -520,6 +538,12 @@ class NormalOptions(_Options, ko_normal_options):
     """Options of Cloud.estimate_normals, as FitOptions has those of Field.fit."""
 
     _init = staticmethod(_normal_options_init)
+
+
+class SmoothOptions(_Options, ko_smooth_options):
+    """Options of Cloud.smooth, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_smooth_options_init)
 
 
 class LevelSetOptions(_Options, ko_level_set_options):
@@ -761,6 +785,21 @@ class Cloud(_Handle):
         weights = _numbers("weights", weights, None)
         _check(_cloud_set_weights(self, _at(weights), len(weights)))
 
+    def smooth(self, options: Optional[SmoothOptions] = None, progress: Optional[Progress] = None) -> Cloud:
+        """A cloud with noise smoothed out of points and normals, which must be about right before; weights stay, origins go.
+
+        `progress` is told on this thread.
+        """
+        plain = ko_smooth_options.from_buffer_copy(options or SmoothOptions())
+        return _make(Cloud, plain, progress, lambda own, to: _cloud_smooth(self, own, to))[0]
+
+    def sides(self, points: npt.ArrayLike) -> Array:
+        """On which side points [n, dim] lie, [n]: 1 where the normals point to, -1 behind them, towards 0 where there are none."""
+        points = _numbers("points", points, self.dim)
+        sides = np.empty(len(points))
+        _check(_cloud_sides(self, _at(points), len(points), _at(sides)))
+        return sides
+
     def origins(self) -> Origins:
         """Where on its mesh each point was taken; raises Error for a cloud that was not sampled from one."""
         n = len(self)
@@ -830,7 +869,7 @@ class Field(_Handle):
     def control_points(self) -> Array:
         """A copy of the control points, with an axis for each of the box."""
         control_points = np.empty(tuple(self.report().control_points)[: self.dim])
-        _check(_field_get_control_points(self, control_points.size, _at(control_points)))
+        _check(_field_copy_control_points(self, control_points.size, _at(control_points)))
         return control_points
 
     @classmethod

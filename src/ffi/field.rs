@@ -162,7 +162,7 @@ unsafe fn from_control_points<const D: usize>(
 /// `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
 /// KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn ko_field_get_control_points(
+pub unsafe extern "C" fn ko_field_copy_control_points(
     field: *const ko_field,
     n_control_points: usize,
     control_points: *mut f64,
