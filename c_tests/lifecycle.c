@@ -188,7 +188,8 @@ static void files_give_the_same_bits(void) {
     ko_fit_report report, loaded_report;
     OK(ko_field_get_report(field, sizeof report, &report));
     OK(ko_field_get_report(loaded, sizeof report, &loaded_report));
-    CHECK(memcmp(&report, &loaded_report, sizeof report) == 0);
+    /* Files do not keep clear_sides. */
+    CHECK(memcmp(&report, &loaded_report, offsetof(ko_fit_report, clear_sides)) == 0);
     free(points);
     ko_field_free(field);
     ko_field_free(other);
@@ -298,16 +299,17 @@ static void points_outside_the_box_are_told(void) {
     ko_field_free(field);
 }
 
-/* A caller with a newer, longer struct is served while the rest is 0. (Shorter ones than the first version's: see errors.c.) */
+/* A caller with a newer, longer struct is served while the rest is 0. (Shorter ones than the first version's: see errors.c.) Later libraries
+ * run this program too and may know the first of these bytes, but not the last for long. */
 static void structs_of_other_versions_are_served(void) {
     ko_field *field = check_sphere_field(6);
     struct {
         ko_fit_report report;
-        unsigned char newer[16];
+        unsigned char newer[1024];
     } grown;
     memset(&grown, 0xff, sizeof grown);
     OK(ko_field_get_report(field, sizeof grown, &grown.report));
-    CHECK(grown.report.struct_size == sizeof grown && grown.newer[0] == 0 && grown.newer[15] == 0);
+    CHECK(grown.report.struct_size == sizeof grown && grown.newer[1023] == 0);
     ko_field_free(field);
 
     struct {

@@ -242,7 +242,8 @@ static void files_hold_the_plane(void) {
     ko_fit_report report, loaded_report;
     OK(ko_field_get_report(field, sizeof report, &report));
     OK(ko_field_get_report(loaded, sizeof report, &loaded_report));
-    CHECK(memcmp(&report, &loaded_report, sizeof report) == 0);
+    /* Files do not keep clear_sides. */
+    CHECK(memcmp(&report, &loaded_report, offsetof(ko_fit_report, clear_sides)) == 0);
     CHECK(remove("plane.kof") == 0);
     free(points);
     ko_field_free(field);
