@@ -506,7 +506,7 @@ typedef struct ko_fit_report {
      */
     uint64_t n_outliers;
     /**
-     * Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for open ones, of
+     * Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
      * which `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
      */
     double clear_sides;
@@ -792,7 +792,7 @@ int32_t ko_cloud_set_weights(struct ko_cloud *cloud,
 
 /**
  * Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
- * clearly behind them, towards 0 where the cloud has no sides: around the rim of an open shape, and far from it.
+ * clearly behind them, between where an open shape has no clear side: around its rim and far from it.
  *
  * 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides at the
  * nearest point. Where it is small, so is the meaning of a field's sign.

@@ -137,7 +137,7 @@ pub unsafe extern "C" fn ko_cloud_set_weights(cloud: *mut ko_cloud, weights: *co
 }
 
 /// Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
-/// clearly behind them, towards 0 where the cloud has no sides: around the rim of an open shape, and far from it.
+/// clearly behind them, between where an open shape has no clear side: around its rim and far from it.
 ///
 /// 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides at the
 /// nearest point. Where it is small, so is the meaning of a field's sign.

@@ -132,7 +132,7 @@ pub struct ko_fit_report {
     pub mean_gradient: f64,
     /// Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
     pub n_outliers: u64,
-    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for open ones, of
+    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
     /// which `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
     pub clear_sides: f64,
 }

@@ -11,7 +11,7 @@ pub struct FitReport {
     pub n_unknowns: u64,
     /// Points that a robust fit left out at last.
     pub n_outliers: u64,
-    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for open ones, of
+    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
     /// which [`crate::geometry::sides`] tells where. NaN where no distances were held, and for a field that was loaded or made.
     pub clear_sides: f64,
     /// Iterations of conjugate gradients, over all rounds of reweighting.

@@ -8,7 +8,8 @@
 //! ```
 //!
 //! is 1 just before the surface and -1 just behind it, open or closed. Of a closed shape it stays so everywhere. Beside an open one it goes
-//! to 0 on the way around the rim and far away: there the sign of a field is one of many.
+//! from 1 to -1 on the way around the rim, and far away to 2 W_s: 0 where the shape is flat, more where it bulges. Where it is well between
+//! -1 and 1 the sign of a field is one of many.
 
 use super::neighbours::{Neighbour, Neighbours};
 use super::unit::Unit;
@@ -58,8 +59,8 @@ impl<const D: usize> Cloud<D> {
 }
 
 impl<const D: usize> Sides<D> {
-    /// side(x) at `points` [n x D] into `sides`, as many, cut to [-1, 1]: 1 where the normals clearly point to, -1 clearly behind, towards 0
-    /// where the cloud has no sides. To about 0.1.
+    /// side(x) at `points` [n x D] into `sides`, as many, cut to [-1, 1]: 1 where the normals clearly point to, -1 clearly behind, between
+    /// them where an open shape has no clear side. To about 0.1.
     pub fn at(&self, points: &[[f64; D]], sides: &mut [f64]) -> Result<()> {
         if points.len() != sides.len() {
             let (n, room) = (points.len(), sides.len());

@@ -106,7 +106,9 @@ impl<const D: usize> Cloud<D> {
         points.iter_mut().for_each(|p| *p = scale(unit.grow, *p));
         let mut smoothed = Cloud::new(points, normals)?;
         if let Some(weights) = self.weights() {
-            smoothed.set_weights(weights.to_vec())?;
+            let mut copy = try_with_capacity(weights.len(), "the weights")?;
+            copy.extend_from_slice(weights);
+            smoothed.set_weights(copy)?;
         }
         progress.tell(1.0, "done")?;
         Ok(smoothed)
