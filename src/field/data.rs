@@ -169,9 +169,9 @@ impl<const D: usize> DataTerm<D> {
         }
     }
 
-    /// Points whose values count for nothing.
+    /// Points whose values count for nothing, but for those that never counted: weights that vanish beside the largest.
     pub fn n_left_out(&self) -> usize {
-        self.data.mass.iter().filter(|m| m.value == 0.0).count()
+        self.data.mass.iter().zip(&self.data.share).filter(|(m, share)| m.value == 0.0 && **share > 0.0).count()
     }
 
     /// The points whose normals count for more than half, in units of D from the lower corner of the box, with their normals.

@@ -14,7 +14,8 @@ const DIAGONALS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
 /// D of a cloud, checked to be a usable unit of length.
 pub fn diagonal<const D: usize>(bounds: &Bounds<D>) -> Result<f64> {
     let d = bounds.diagonal();
-    if d == 0.0 {
+    // Not by d, which is 0 too where its square underflows.
+    if bounds.min == bounds.max {
         let place = text(&bounds.min);
         return Err(Error::Degenerate(format!(
             "all points are at {place}; points that are apart are needed to give the field a scale"

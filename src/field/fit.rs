@@ -25,6 +25,9 @@ fn chosen_control_points<const D: usize>(n_points: usize) -> usize {
     }
 }
 
+/// Cells of a refit, in D: where they are much longer the system is singular to rounding, and no solve converges.
+const LARGEST_CELL: f64 = 100.0;
+
 /// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included.
 pub fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
     // A point: its coordinates, normal, origin and weight; the same in the order of cells, its share, masses, misfit and place; its copy
@@ -68,6 +71,13 @@ impl<const D: usize> Field<D> {
         }
         check_size(cloud.len(), &self.grid, options.memory_limit)?;
         let d = domain::diagonal(&cloud.bounds())?;
+        let cell = self.grid.longest_cell();
+        if cell > LARGEST_CELL * d {
+            return Err(Error::InvalidArgument(format!(
+                "the cloud has a diagonal of {d:e}, which the field's cells of {cell:e} cannot resolve; at most {LARGEST_CELL} times the \
+                 diagonal is served: fit anew"
+            )));
+        }
         let mut start = try_vec(self.coefficients.len(), 0.0, "the control points")?;
         start.iter_mut().zip(&self.coefficients).for_each(|(s, c)| *s = c / d);
         fit_on(self.grid, start, cloud, options, progress)
@@ -173,7 +183,10 @@ impl<const D: usize> Fitting<'_, D> {
     fn robustly(&mut self, mut x: Vec<f64>, progress: &mut Progress) -> Result<Vec<f64>> {
         let rounds = self.options.reweightings;
         let step = robust::START.powf(1.0 / f64::from(rounds.max(1)));
-        self.energy.smoothen(robust::START);
+        // Without rounds there is none to take the smoothness back in.
+        if rounds > 0 {
+            self.energy.smoothen(robust::START);
+        }
         for index in 0..rounds {
             let tolerance = reweight::rough_tolerance(self.options.tolerance);
             x = self.solve(x, Round { index, of: rounds + 2, tolerance }, progress)?;

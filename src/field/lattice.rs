@@ -162,6 +162,9 @@ impl<const D: usize> Field<D> {
         Workers::check(n_threads)?;
         // Where the corners can be served all points can, and here their indices are known.
         lattice.corners().try_for_each(|i| check_points(i, &[lattice.point(i)]))?;
+        if values.is_none() && gradients.is_none() {
+            return Ok(());
+        }
         let workers = if lattice.len() <= ITEM { Workers::caller_only() } else { Workers::new(n_threads)? };
         lattice.eval(self, values, gradients, &workers, |fraction| progress.tell(fraction, "lattice"))
     }

@@ -4,6 +4,7 @@ use super::*;
 use crate::Result;
 use crate::geometry::Cloud;
 use crate::geometry::random::SplitMix64;
+use crate::geometry::shapes::circle;
 use crate::geometry::vec::{add, norm, scale, sub};
 use crate::progress::Progress;
 use std::f64::consts::TAU;
@@ -174,4 +175,34 @@ fn files_tell_their_dimension() -> Result<()> {
     assert!(field.coefficients() == again.coefficients() && *field.report() == report);
     assert!(as_space.unwrap_err().to_string().contains("dimension 2; 3 is asked for"));
     Ok(())
+}
+
+#[test]
+fn a_robust_fit_without_rounds_is_as_smooth_as_asked_for() {
+    let cloud = circle([0.0, 0.0], 1.0, 200).unwrap().sample(200, 1).unwrap();
+    let rms = |reweighting| {
+        let options = FitOptions { reweighting, reweightings: 0, ..FitOptions::default() };
+        Field::fit(&cloud, &options, &mut Progress::silent()).unwrap().report().rms
+    };
+    assert!(rms(Reweighting::Robust) < 2.0 * rms(Reweighting::Largest));
+}
+
+#[test]
+fn a_cloud_that_the_cells_cannot_resolve_is_refused() {
+    let cloud = |r: f64| circle([0.0, 0.0], r, 100).unwrap().sample(100, 1).unwrap();
+    let fit = |c| Field::fit(&c, &FitOptions::default(), &mut Progress::silent());
+    let field = fit(cloud(1.0)).unwrap();
+    let refit = |r| field.refit(&cloud(r), &FitOptions::default(), &mut Progress::silent());
+    assert!(refit(1e-3).is_ok());
+    assert!(refit(1e-6).unwrap_err().to_string().contains("cannot resolve"));
+    // The square of the diagonal is 0, the diagonal is not.
+    assert!(matches!(fit(cloud(1e-200)), Err(Error::InvalidArgument(_))));
+}
+
+#[test]
+fn a_lattice_of_which_nothing_is_wanted_costs_nothing() {
+    let cloud = circle([0.0, 0.0], 1.0, 100).unwrap().sample(100, 1).unwrap();
+    let field = Field::fit(&cloud, &FitOptions::default(), &mut Progress::silent()).unwrap();
+    let lattice = Lattice::new([0.0; 2], &[[1e-12, 0.0], [0.0, 1e-12]], &[1 << 28, 1 << 28]).unwrap();
+    field.eval_lattice(&lattice, None, None, 1, &mut Progress::silent()).unwrap();
 }
