@@ -897,8 +897,8 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  *
  * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
  * `start` nor the cloud, and `start` stays as it is.
- * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension and for a point outside the box, naming the
- * first. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
+ * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
+ * first, and for a cloud of a diagonal of less than a hundredth of the longest cell. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
  */
 int32_t ko_field_refit(const struct ko_field *start,
                        const struct ko_cloud *cloud,
