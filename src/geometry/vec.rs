@@ -59,6 +59,11 @@ pub fn is_finite(a: &[f64]) -> bool {
 
 /// The vector as people write it: (1, 2, 3).
 pub fn text(a: &[f64]) -> String {
-    let numbers: Vec<String> = a.iter().map(f64::to_string).collect();
+    let numbers: Vec<String> = a.iter().map(|x| number(*x)).collect();
     format!("({})", numbers.join(", "))
+}
+
+/// The number as people write it, with an exponent where there would be many zeros.
+pub fn number(x: f64) -> String {
+    if x == 0.0 || (1e-5..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }

@@ -59,11 +59,6 @@ pub(super) fn collapse<const D: usize>(
     h: f64,
     progress: &mut Progress,
 ) -> Result<()> {
-    if D as u128 * surface.facets.len() as u128 >= u128::from(u32::MAX) {
-        let n = surface.facets.len();
-        let text = format!("{n} facets are too many to collapse edges; shortest_edge = 0 keeps them");
-        return Err(Error::Unsupported(text));
-    }
     let rings = Rings::of(&surface.facets, surface.vertices.len())?;
     let room = try_with_capacity(surface.facets.len(), WORK)?;
     let mut work =

@@ -41,8 +41,9 @@ mod tests;
 
 use super::{Field, Function};
 use crate::Result;
-use crate::error::{Error, try_vec};
+use crate::error::{Error, try_vec, try_with_capacity};
 use crate::geometry::Mesh;
+use crate::geometry::vec::number;
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::spline::Axis;
@@ -125,6 +126,9 @@ struct Surface<const D: usize> {
 /// moves.
 const VERTEX_BYTES: u128 = 320;
 
+/// A function whose values differ by no more than this fraction of the level is constant but for rounding: sums of 64 terms.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// The level set that `question` asks for: see [`Field::level_set`].
 pub fn extract<F: Function<D>, const D: usize>(
     question: &Question<F, D>,
@@ -143,10 +147,14 @@ pub fn extract<F: Function<D>, const D: usize>(
 
     let mut f = try_vec(cubes.len(), 0.0, "the values on the lattice")?;
     cubes.lattice()?.eval(phi, Some(&mut f), None, &workers, |done| progress.tell(0.4 * done, "lattice"))?;
+    let range = range_of(&f);
+    if range.1 - range.0 <= ROUNDING * level.abs() {
+        return Err(out_of_reach(range, level));
+    }
     f.iter_mut().for_each(|f| *f -= level);
     let crossings = Crossings::find(&cubes, &f, &workers)?;
     if crossings.len == 0 {
-        return Err(out_of_reach(&f, level));
+        return Err(out_of_reach(range, level));
     }
     check_memory(lattice_bytes + crossings.len as u128 * VERTEX_BYTES, &cubes, options.memory_limit)?;
 
@@ -167,29 +175,26 @@ pub fn extract<F: Function<D>, const D: usize>(
     let tell = |done| progress.tell(0.8 + 0.2 * done, "relaxation");
     relaxation.run(&mut surface, options.relaxations, &workers, tell)?;
     progress.tell(1.0, "done")?;
-    let boundary = count_boundary(&surface);
+    let boundary = count_boundary(&surface)?;
     Ok(LevelSet { vertices: surface.vertices, facets: surface.facets, boundary })
 }
 
 /// Ridges on the faces of the box: what is open.
-fn count_boundary<const D: usize>(surface: &Surface<D>) -> usize {
+fn count_boundary<const D: usize>(surface: &Surface<D>) -> Result<usize> {
     if D == 2 {
-        return surface.faces.iter().filter(|faces| **faces != 0).count();
+        return Ok(surface.faces.iter().filter(|faces| **faces != 0).count());
     }
     // Each edge on a face of the box is in one triangle, and an edge between two vertices of one face that is not on the boundary is in
     // two; so it is counted by its sides.
     let on_box = |v: u32| surface.faces[v as usize] != 0;
-    let mut sides: Vec<[u32; 2]> = Vec::new();
-    for facet in &surface.facets {
-        for k in 0..D {
-            let (a, b) = (facet[k], facet[(k + 1) % D]);
-            if on_box(a) && on_box(b) {
-                sides.push([a.min(b), a.max(b)]);
-            }
-        }
-    }
+    let all = || {
+        let sides = surface.facets.iter().flat_map(|f| (0..D).map(|k| [f[k], f[(k + 1) % D]]));
+        sides.filter(|[a, b]| on_box(*a) && on_box(*b))
+    };
+    let mut sides = try_with_capacity(all().count(), "the boundary of the level set")?;
+    sides.extend(all().map(|[a, b]| [a.min(b), a.max(b)]));
     sides.sort_unstable();
-    sides.chunk_by(|a, b| a == b).filter(|sides| sides.len() == 1).count()
+    Ok(sides.chunk_by(|a, b| a == b).filter(|sides| sides.len() == 1).count())
 }
 
 /// Refuses what would take more than `limit` bytes.
@@ -205,12 +210,15 @@ fn check_memory<const D: usize>(bytes: u128, cubes: &Cubes<D>, limit: u64) -> Re
     })
 }
 
-/// Why there is no level set where f has one sign.
-fn out_of_reach(f: &[f64], level: f64) -> Error {
-    let (low, high) = f.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &f| (l.min(f), h.max(f)));
+/// The least and the largest of `phi`.
+fn range_of(phi: &[f64]) -> (f64, f64) {
+    phi.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)))
+}
+
+/// Why there is no level set where f has one sign, or phi, from `low` to `high`, is constant but for rounding.
+fn out_of_reach((low, high): (f64, f64), level: f64) -> Error {
+    let [level, low, high] = [level, low, high].map(number);
     Error::Degenerate(format!(
-        "the level {level} is not reached: on the lattice phi runs from {} to {}; choose a level between",
-        low + level,
-        high + level
+        "the level {level} is not reached: on the lattice phi runs from {low} to {high}; choose a level between, where phi is not constant"
     ))
 }

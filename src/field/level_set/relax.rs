@@ -53,6 +53,9 @@ impl<F: Function<D>, const D: usize> Relaxation<'_, F, D> {
         workers: &Workers,
         mut tell: impl FnMut(f64) -> Result<()>,
     ) -> Result<()> {
+        if rounds == 0 {
+            return Ok(());
+        }
         let rings = Rings::of(&surface.facets, surface.vertices.len())?;
         let mut moves: Vec<Move<D>> = try_vec(surface.vertices.len(), None, "the moves of the level set's vertices")?;
         for round in 0..rounds {

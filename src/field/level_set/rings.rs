@@ -1,7 +1,7 @@
 //! Facets around vertices, as lists that can be joined: what collapsing edges walks on.
 
 use crate::Result;
-use crate::error::try_vec;
+use crate::error::{Error, try_vec};
 
 const NONE: u32 = u32::MAX;
 
@@ -16,6 +16,11 @@ impl Rings {
     /// The lists of `facets` over `n_vertices`.
     pub fn of<const D: usize>(facets: &[[u32; D]], n_vertices: usize) -> Result<Self> {
         const WORK: &str = "the facets around vertices of the level set";
+        if D as u128 * facets.len() as u128 >= u128::from(NONE) {
+            let n = facets.len();
+            let text = format!("the level set has {n} facets, more than can be counted; fewer subdivisions are needed");
+            return Err(Error::Unsupported(text));
+        }
         let mut first = try_vec(n_vertices, NONE, WORK)?;
         let mut last = try_vec(n_vertices, NONE, WORK)?;
         let mut next = try_vec(D * facets.len(), NONE, WORK)?;

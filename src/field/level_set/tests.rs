@@ -363,3 +363,16 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_function_that_is_constant_but_for_rounding_has_no_level_set() {
+    let noise = |p: [f64; 3]| (0.1 + f64::EPSILON * 0.1 * (1e3 * p[0]).sin().signum(), [0.0; 3]);
+    let question = Question { phi: &Closed(noise), axes: axes(4), level: 0.1, outward: 1.0 };
+    let error = extract(&question, &one_thread(), &mut Progress::silent()).unwrap_err();
+    assert!(matches!(error, Error::Degenerate(_)), "{error}");
+    // The range is that of the function, not what is left of it beside the level.
+    let question =
+        Question { phi: &Closed(|p: [f64; 2]| (p[0], [1.0, 0.0])), axes: axes(4), level: 1e300, outward: 1.0 };
+    let text = extract(&question, &one_thread(), &mut Progress::silent()).unwrap_err().to_string();
+    assert!(text.contains("level 1e300 is not reached") && text.contains("from -1 to 1"), "{text}");
+}
