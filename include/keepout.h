@@ -633,8 +633,7 @@ int32_t ko_mesh_from_triangles(const double *vertices,
  * Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
  * that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
  * same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
- * Cost: O(n_points log n_points) where segments are short, and the number of loops times that of the segments below each one's leftmost
- * point.
+ * Cost: O(n_points log n_points) where segments are short.
  */
 int32_t ko_mesh_from_polylines(const double *points,
                                size_t n_points,

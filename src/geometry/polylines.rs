@@ -28,8 +28,7 @@ impl Mesh<2> {
     ///
     /// [`Error::InvalidArgument`], with the points' indices, for polylines that cross, touch or overlap, themselves or one another, decided
     /// exactly; for loops that run the same way around right inside each other, or different ways side by side; for points that
-    /// are not finite and starts out of order. Cost: O(N log N) where few segments' boxes overlap, and
-    /// for each of several loops the segments straight below its leftmost point.
+    /// are not finite and starts out of order. Cost: O(N log N) where few segments' boxes overlap.
     pub fn from_polylines(points: Vec<[f64; 2]>, loop_starts: &[usize], ends: Ends) -> Result<Self> {
         check_points(&points)?;
         check_starts(loop_starts, points.len(), ends)?;

@@ -105,6 +105,62 @@ fn nested_loops_alternate() {
     refused(closed(&[square(0.0, 1.0, 1), square(0.0, 2.0, 1)]), &["polylines 0 and 1 lie", "reverse polyline 0"]);
 }
 
+/// A polygon of radius about `r` around `c`, counter-clockwise when `left`.
+fn polygon(c: [f64; 2], r: f64, n: usize, left: bool) -> Vec<[f64; 2]> {
+    let mut points: Vec<_> =
+        (0..n).map(|i| (TAU * i as f64 / n as f64).sin_cos()).map(|(s, t)| [c[0] + r * t, c[1] + r * s]).collect();
+    if !left {
+        points.reverse();
+    }
+    points
+}
+
+#[test]
+fn loops_scattered_in_one_another_are_told_apart() {
+    let mut random = SplitMix64::new(5);
+    for _ in 0..200 {
+        // Circles that keep clear of one another, and how many are around each.
+        let mut circles: Vec<([f64; 2], f64)> = Vec::new();
+        for _ in 0..60 {
+            let r = random.unit().powi(3);
+            let c = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+            let clear = |&(d, s): &([f64; 2], f64)| {
+                let far = (c[0] - d[0]).hypot(c[1] - d[1]);
+                far > 1.3 * (r + s) || 1.3 * (far + r) < s || 1.3 * (far + s) < r
+            };
+            if circles.iter().all(clear) {
+                circles.push((c, r));
+            }
+        }
+        let depth =
+            |(c, r): ([f64; 2], f64)| circles.iter().filter(|(d, s)| (c[0] - d[0]).hypot(c[1] - d[1]) < s - r).count();
+        let n = 8 + (random.bits() % 8) as usize;
+        let mut loops: Vec<_> = circles.iter().map(|&o| polygon(o.0, o.1, n, depth(o) % 2 == 0)).collect();
+        assert!(closed(&loops).unwrap().report().unwrap().volume > 0.0);
+        if loops.len() > 2 {
+            let wrong = (random.bits() % loops.len() as u64) as usize;
+            loops[wrong].reverse();
+            refused(closed(&loops), &["reverse polyline", &wrong.to_string()]);
+        }
+    }
+}
+
+#[test]
+fn many_loops_above_or_in_one_another_take_no_quadratic_time() {
+    // That would take a minute here.
+    let n = 30_000;
+    let column: Vec<_> = (0..n).map(|k| polygon([0.0, 3.0 * f64::from(k)], 1.0, 4, true)).collect();
+    assert!(closed_in_order(&column).is_ok());
+    let rings: Vec<_> = (0..n).map(|k| square(0.0, f64::from(n - k), 1 - 2 * (k % 2))).collect();
+    assert!(closed_in_order(&rings).is_ok());
+}
+
+/// As [`closed`], of many.
+fn closed_in_order(loops: &[Vec<[f64; 2]>]) -> Result<Mesh<2>> {
+    let starts: Vec<usize> = loops.iter().scan(0, |n, l| Some(std::mem::replace(n, *n + l.len()))).collect();
+    Mesh::from_polylines(loops.concat(), &starts, Ends::Closed)
+}
+
 #[test]
 fn vertices_below_a_loop_are_counted_once() {
     // Tips and corners straight below the first vertex of the square at (4, 0), whose lower left corner is (3, -1).
