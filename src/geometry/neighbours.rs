@@ -4,7 +4,7 @@ use super::Bounds;
 use super::bvh::{Bvh, STACK_SIZE};
 use super::vec::{dot, sub};
 use crate::Result;
-use crate::error::try_with_capacity;
+use crate::error::{try_vec, try_with_capacity};
 
 /// A neighbour and the square of its distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,12 +15,21 @@ pub struct Neighbour {
     pub distance_squared: f64,
 }
 
+impl Neighbour {
+    /// Whether no point from `distance_squared` and `index` on comes before this one.
+    fn is_before(&self, distance_squared: f64, index: u32) -> bool {
+        (self.distance_squared, self.index) < (distance_squared, index)
+    }
+}
+
 /// A tree over points, for nearest neighbours.
 #[derive(Debug)]
 pub struct Neighbours<const D: usize = 3> {
     tree: Bvh<D>,
     /// In the tree's order.
     points: Vec<[f64; D]>,
+    /// The lowest index below each node: of many points at one distance, thousands at one place, say, only a few can be among the first.
+    lowest: Vec<u32>,
 }
 
 impl<const D: usize> Neighbours<D> {
@@ -29,7 +38,15 @@ impl<const D: usize> Neighbours<D> {
         let tree = Bvh::new(points.len(), |i| Bounds { min: points[i], max: points[i] })?;
         let mut in_order = try_with_capacity(points.len(), "the tree of points")?;
         in_order.extend(tree.order.iter().map(|&i| points[i as usize]));
-        Ok(Neighbours { tree, points: in_order })
+        let mut lowest = try_vec(tree.nodes.len(), 0, "the tree of points")?;
+        // Children come after their parents.
+        for (i, node) in tree.nodes.iter().enumerate().rev() {
+            lowest[i] = match node.leaf() {
+                Some(places) => tree.order[places].iter().fold(u32::MAX, |low, &i| low.min(i)),
+                None => node.children().map(|c| lowest[c]).into_iter().fold(u32::MAX, u32::min),
+            };
+        }
+        Ok(Neighbours { tree, points: in_order, lowest })
     }
 
     /// Fills `nearest` with the neighbours of `p` among the points that `accept` takes, nearest first, ties by index; gives how many there
@@ -41,7 +58,7 @@ impl<const D: usize> Neighbours<D> {
         while depth > 0 {
             depth -= 1;
             let (node, box_distance) = stack[depth];
-            if found == nearest.len() && nearest.last().is_some_and(|n| box_distance > n.distance_squared) {
+            if found == nearest.len() && nearest.last().is_some_and(|n| n.is_before(box_distance, self.lowest[node])) {
                 continue;
             }
             let Some(places) = self.tree.nodes[node].leaf() else {

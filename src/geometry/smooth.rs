@@ -81,6 +81,7 @@ impl<const D: usize> Cloud<D> {
     /// any number of threads, and a power of two in the coordinates changes none. Cost: about 5 microseconds a point and round.
     pub fn smoothed(&self, options: &SmoothOptions, progress: &mut Progress) -> Result<Self> {
         const CHUNK: usize = 1024;
+        const STAGE: usize = 32;
         options.validate()?;
         let workers = Workers::new(options.n_threads)?;
         let unit = Unit::of_bounds(&self.bounds());
@@ -90,15 +91,20 @@ impl<const D: usize> Cloud<D> {
         let mut normals = try_with_capacity(n, "the smoothed normals")?;
         normals.extend_from_slice(self.normals());
         for round in 0..options.rounds {
-            progress.tell(f64::from(round) / f64::from(options.rounds), "smoothing")?;
             let before = Cloud::new(points, normals)?;
             let tree = Neighbours::new(before.points())?;
             let mut after: Vec<Oriented<D>> = try_vec(n, ([0.0; D], [0.0; D]), "the smoothed points")?;
-            workers.for_each(after.chunks_mut(CHUNK).enumerate(), |(chunk, after)| {
-                for (i, after) in after.iter_mut().enumerate() {
-                    *after = before.smoothed_at(chunk * CHUNK + i, &tree, options.k::<D>());
-                }
-            });
+            let mut chunks = after.chunks_mut(CHUNK).enumerate();
+            // Some chunks at a time, so that the caller hears of them.
+            for done in (0..n).step_by(STAGE * CHUNK) {
+                let part = done as f64 / n as f64;
+                progress.tell((f64::from(round) + part) / f64::from(options.rounds), "smoothing")?;
+                workers.for_each(chunks.by_ref().take(STAGE), |(chunk, after)| {
+                    for (i, after) in after.iter_mut().enumerate() {
+                        *after = before.smoothed_at(chunk * CHUNK + i, &tree, options.k::<D>());
+                    }
+                });
+            }
             (points, normals) = (try_with_capacity(n, "the smoothed points")?, try_with_capacity(n, "the normals")?);
             points.extend(after.iter().map(|a| a.0));
             normals.extend(after.iter().map(|a| a.1));
@@ -236,5 +242,28 @@ mod tests {
         let wrong = SmoothOptions { rounds: 0, ..SmoothOptions::default() };
         let one = Cloud::new(vec![[1.0; 3]], vec![up]).unwrap();
         assert!(one.smoothed(&wrong, &mut Progress::silent()).is_err());
+    }
+
+    #[test]
+    fn points_at_one_place_are_found_as_fast_as_others() {
+        // Quadratic time would take minutes.
+        let n = 100_000;
+        let mut points = vec![[0.0; 3]; n];
+        points.push([1.0; 3]);
+        let cloud = Cloud::new(points, vec![[0.0, 0.0, 1.0]; n + 1]).unwrap();
+        assert_eq!(smoothed(&cloud, 1).points(), cloud.points());
+    }
+
+    #[test]
+    fn a_round_can_be_cancelled() {
+        let cloud = sphere([0.0; 3], 1.0, 3).unwrap().sample(40_000, 1).unwrap();
+        let mut told = Vec::new();
+        let mut tell = |fraction: f64, _: &str| {
+            told.push(fraction);
+            if fraction > 0.0 { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
+        };
+        let cancelled = cloud.smoothed(&SmoothOptions::default(), &mut Progress::new(&mut tell));
+        assert_eq!(cancelled.err(), Some(Error::Cancelled));
+        assert!(told.len() == 2 && told[1] < 1.0, "{told:?}");
     }
 }
