@@ -46,7 +46,11 @@ impl Mesh<2> {
             next[a as usize] = b;
             ends_here[b as usize] = true;
         }
-        let mut lines = Polylines { points: try_with_capacity(n, WORK)?, starts: Vec::new(), closed: Vec::new() };
+        let mut lines = Polylines {
+            points: try_with_capacity(n, WORK)?,
+            starts: try_with_capacity(n, WORK)?,
+            closed: try_with_capacity(n, WORK)?,
+        };
         let mut used = try_vec(n, false, WORK)?;
         for closed in [false, true] {
             for first in 0..n {

@@ -108,7 +108,8 @@ impl<const D: usize> Cloud<D> {
         Ok((cloud, report))
     }
 
-    /// The cloud less the points at `indices`, in any order: the outliers of a [`NormalReport`], say.
+    /// The cloud less the points at `indices`, in any order: the outliers of a [`NormalReport`], say. Those that stay keep weights and
+    /// origins.
     pub fn without(&self, indices: &[u32]) -> Result<Self> {
         let n = self.len();
         let mut kept = crate::error::try_vec(n, true, "the points that stay")?;
@@ -121,14 +122,23 @@ impl<const D: usize> Cloud<D> {
             *kept = false;
         }
         let left = kept.iter().filter(|kept| **kept).count();
-        let mut points = try_with_capacity(left, "the points that stay")?;
-        let mut normals = try_with_capacity(left, "the normals that stay")?;
-        for i in (0..n).filter(|&i| kept[i]) {
-            points.push(self.points()[i]);
-            normals.push(self.normals()[i]);
+        let (points, normals) = (of_kept(self.points(), &kept, left)?, of_kept(self.normals(), &kept, left)?);
+        let mut cloud = Cloud::new(points, normals)?;
+        if let Some(weights) = self.weights() {
+            cloud.set_weights(of_kept(weights, &kept, left)?)?;
         }
-        Cloud::new(points, normals)
+        match self.origins() {
+            Some(origins) => Ok(cloud.with_origins(of_kept(origins, &kept, left)?)),
+            None => Ok(cloud),
+        }
     }
+}
+
+/// The `left` ones of `all` that are `kept`.
+fn of_kept<T: Copy>(all: &[T], kept: &[bool], left: usize) -> Result<Vec<T>> {
+    let mut some = try_with_capacity(left, "what belongs to the points that stay")?;
+    some.extend(all.iter().zip(kept).filter(|(_, kept)| **kept).map(|(x, _)| *x));
+    Ok(some)
 }
 
 /// What was found at the places.

@@ -90,6 +90,12 @@ fn copies_and_outliers_are_named_and_harm_no_other() {
     assert!((0..n).all(|i| dot(cloud.normals()[i], points[i]) > 0.0));
     let cleaned = cloud.without(&report.outliers).unwrap().without(&report.copies).unwrap();
     assert_eq!(cleaned.points(), truth.points());
+    // Weights and places on a mesh stay with their points.
+    let mut sampled = sphere([0.0; 3], 1.0, 1).unwrap().sample(4, 1).unwrap();
+    sampled.set_weights(vec![1.0, 2.0, 3.0, 4.0]).unwrap();
+    let fewer = sampled.without(&[1]).unwrap();
+    assert_eq!(fewer.weights(), Some(&[1.0, 3.0, 4.0][..]));
+    assert_eq!(fewer.origins().unwrap()[1], sampled.origins().unwrap()[2]);
     assert!(cloud.without(&[n as u32 + 3]).unwrap_err().to_string().contains("index 0 is 6003"));
 }
 
