@@ -363,7 +363,8 @@ typedef struct ko_fit_options {
      */
     uint32_t control_points[3];
     /**
-     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: the paper's fit. Default 3.
+     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them once all
+     * the same. Default 3.
      */
     uint32_t reweightings;
     /**

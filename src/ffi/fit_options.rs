@@ -30,7 +30,8 @@ pub struct ko_fit_options {
     /// twice as many control points as points, between 4096 and 262144. In the plane z is ignored, and N points get N^2 / 100, between
     /// 1024 and 65536.
     pub control_points: [u32; 3],
-    /// Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: the paper's fit. Default 3.
+    /// Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them once all
+    /// the same. Default 3.
     pub reweightings: u32,
     /// How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
     pub margin: f64,

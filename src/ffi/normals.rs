@@ -7,7 +7,7 @@ use super::pointer::{Sized_, array, check_wanted_sized, create, read_sized, want
 use super::progress::{ko_progress, listener};
 use crate::dimension::OfDimension;
 use crate::geometry::Cloud;
-use crate::geometry::orient::{NormalOptions, NormalReport};
+use crate::geometry::orient::{NormalOptions, NormalReport, check_memory};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use std::ffi::c_void;
@@ -201,8 +201,10 @@ unsafe fn estimate<const D: usize>(
     let points = unsafe { array(points.cast::<[f64; D]>(), n, "points") }?;
     // SAFETY: the caller's promise.
     let mut tell = unsafe { listener(options.progress, options.progress_data) };
-    let points = copied(points, "the points")?;
-    Cloud::with_estimated_normals(points, &options.to_normal_options(), &mut Progress::new(&mut tell))
+    let options = options.to_normal_options();
+    // Before any memory is taken, the copy's too.
+    check_memory::<D>(n, &options)?;
+    Cloud::with_estimated_normals(copied(points, "the points")?, &options, &mut Progress::new(&mut tell))
 }
 
 /// Writes the bits of each point.

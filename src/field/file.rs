@@ -19,7 +19,7 @@
 //! end  u32 CRC-32 (IEEE 802.3) of all before
 //! ```
 
-use super::{Feasible, Field, FitReport};
+use super::{Feasible, Field, FitReport, domain};
 use crate::Result;
 use crate::dimension::OfDimension;
 use crate::error::{Error, Place, try_with_capacity};
@@ -45,7 +45,7 @@ impl<const D: usize> Field<D> {
         let path = path.as_ref();
         let (header, coefficients) = read(path)?;
         if header.dimension == D {
-            return Ok(header.field(coefficients));
+            return header.field(path, coefficients);
         }
         let message = format!("the field has dimension {}; {D} is asked for", header.dimension);
         Err(Error::Format { path: path.to_owned(), place: Place::Byte(12), message })
@@ -90,10 +90,11 @@ impl<const D: usize> Field<D> {
 
 /// Reads a field that [`Field::save`] wrote, of the dimension that the file tells. It evaluates to the same bits.
 pub fn load(path: impl AsRef<Path>) -> Result<OfDimension<Field<2>, Field<3>>> {
-    let (header, coefficients) = read(path.as_ref())?;
+    let path = path.as_ref();
+    let (header, coefficients) = read(path)?;
     Ok(match header.dimension {
-        2 => OfDimension::Plane(header.field(coefficients)),
-        _ => OfDimension::Space(header.field(coefficients)),
+        2 => OfDimension::Plane(header.field(path, coefficients)?),
+        _ => OfDimension::Space(header.field(path, coefficients)?),
     })
 }
 
@@ -150,13 +151,18 @@ struct Header {
 }
 
 impl Header {
-    /// The field with these control points, in the header's dimension.
-    fn field<const D: usize>(self, coefficients: Vec<f64>) -> Field<D> {
+    /// The field of the file at `path` with these control points, in the header's dimension.
+    fn field<const D: usize>(self, path: &Path, coefficients: Vec<f64>) -> Result<Field<D>> {
         debug_assert_eq!(self.dimension, D);
         let axis =
             |a: usize| Axis { lower: self.lower[a], cell: self.cell[a], n_cells: self.control_points[a] as usize - 3 };
         let grid = Grid { axes: std::array::from_fn(axis) };
-        Field::new(grid, coefficients, self.feasible, self.diagonal, self.report)
+        domain::check(&grid, self.diagonal).map_err(|error| Error::Format {
+            path: path.to_owned(),
+            place: Place::Byte(32),
+            message: error.to_string(),
+        })?;
+        Ok(Field::new(grid, coefficients, self.feasible, self.diagonal, self.report))
     }
 }
 

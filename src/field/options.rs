@@ -52,7 +52,7 @@ pub struct FitOptions {
     pub distance_weight: f64,
     /// What the rounds of reweighting are for.
     pub reweighting: Reweighting,
-    /// Rounds in which points are weighted anew. 0 is the paper's fit.
+    /// Rounds in which points are weighted anew. 0 is the paper's fit; a robust one weighs them once all the same.
     pub reweightings: u32,
     /// Side where phi > 0.
     pub feasible: Feasible,

@@ -222,7 +222,7 @@ fn check<const D: usize>(points: &[[f64; D]]) -> Result<()> {
 }
 
 /// Refuses an estimate that would take more than the limit, or more points than the trees of the surfels count.
-fn check_memory<const D: usize>(n: usize, options: &NormalOptions) -> Result<()> {
+pub(crate) fn check_memory<const D: usize>(n: usize, options: &NormalOptions) -> Result<()> {
     let most = (1 << 30) / D;
     if n > most {
         return Err(Error::InvalidArgument(format!("{n} points are given; at most {most} are taken")));

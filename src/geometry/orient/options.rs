@@ -50,7 +50,7 @@ impl NormalOptions {
             (0, _) => 10,
             (k, _) => k as usize,
         };
-        k.min(n - 1)
+        k.min(n.saturating_sub(1))
     }
 }
 
