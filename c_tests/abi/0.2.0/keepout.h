@@ -363,7 +363,8 @@ typedef struct ko_fit_options {
      */
     uint32_t control_points[3];
     /**
-     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: the paper's fit. Default 3.
+     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them once all
+     * the same. Default 3.
      */
     uint32_t reweightings;
     /**
@@ -506,7 +507,7 @@ typedef struct ko_fit_report {
      */
     uint64_t n_outliers;
     /**
-     * Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for open ones, of
+     * Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
      * which `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
      */
     double clear_sides;
@@ -633,8 +634,7 @@ int32_t ko_mesh_from_triangles(const double *vertices,
  * Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
  * that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
  * same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
- * Cost: O(n_points log n_points) where segments are short, and the number of loops times that of the segments below each one's leftmost
- * point.
+ * Cost: O(n_points log n_points) where segments are short.
  */
 int32_t ko_mesh_from_polylines(const double *points,
                                size_t n_points,
@@ -792,7 +792,7 @@ int32_t ko_cloud_set_weights(struct ko_cloud *cloud,
 
 /**
  * Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
- * clearly behind them, towards 0 where the cloud has no sides: around the rim of an open shape, and far from it.
+ * clearly behind them, between where an open shape has no clear side: around its rim and far from it.
  *
  * 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides at the
  * nearest point. Where it is small, so is the meaning of a field's sign.
@@ -897,8 +897,8 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  *
  * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
  * `start` nor the cloud, and `start` stays as it is.
- * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension and for a point outside the box, naming the
- * first. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
+ * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
+ * first, and for a cloud of a diagonal of less than a hundredth of the longest cell. Threads, cost, memory: those of `ko_field_fit`, in fewer iterations.
  */
 int32_t ko_field_refit(const struct ko_field *start,
                        const struct ko_cloud *cloud,
