@@ -40,13 +40,20 @@ impl<'a, const D: usize> Outputs<'a, D> {
     }
 
     fn check(&self, n: usize) -> Result<()> {
+        // Numbers of Hessians that make no whole one are room for none.
+        let whole = |len: usize| if len.is_multiple_of(packed::<D>()) { len / packed::<D>() } else { usize::MAX };
         let lengths = [
             ("values", self.values.as_ref().map(|v| v.len())),
             ("gradients", self.gradients.as_ref().map(|g| g.len())),
-            ("hessians", self.hessians.as_ref().map(|h| h.len() / packed::<D>())),
+            ("hessians", self.hessians.as_ref().map(|h| whole(h.len()))),
         ];
         match lengths.iter().find(|(_, len)| len.is_some_and(|len| len != n)) {
             None => Ok(()),
+            Some((name, Some(usize::MAX))) => Err(Error::InvalidArgument(format!(
+                "{name} has a length that is no multiple of {}; {} a point are needed",
+                packed::<D>(),
+                packed::<D>()
+            ))),
             Some((name, len)) => Err(Error::InvalidArgument(format!(
                 "{name} has room for {} points; the batch has {n}",
                 len.unwrap_or(0)

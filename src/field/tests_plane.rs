@@ -164,6 +164,18 @@ fn a_power_of_two_scales_the_field_to_the_bit_and_threads_change_none() {
 }
 
 #[test]
+fn a_straight_open_curve_has_a_box_and_hessians_want_whole_rooms() -> Result<()> {
+    let points = (0..200).map(|i| [f64::from(i) / 199.0, 2.0]).collect();
+    let field = fit(&Cloud::new(points, vec![[0.0, 1.0]; 200])?, &FitOptions::default());
+    assert!(field.grid().axes[1].upper() - field.grid().axes[1].lower > 0.05);
+    for len in [2, 4, 6] {
+        let mut h = vec![0.0; len];
+        assert!(field.eval(&[[0.5, 2.0]], Outputs { hessians: Some(&mut h), ..Outputs::default() }).is_err());
+    }
+    Ok(())
+}
+
+#[test]
 fn files_tell_their_dimension() -> Result<()> {
     let field = fit(&ellipse(200), &FitOptions::default());
     let path = std::env::temp_dir().join(format!("keepout-plane-{}.kof", std::process::id()));
