@@ -11,7 +11,7 @@
 //! | [`spline`] | a box and a resolution | uniform cubic B-spline bases, exact Gram matrices, the evaluation kernel |
 //! | [`linalg`] | operators | solutions by preconditioned conjugate gradients |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
-//! | [`dimension`], [`error`], [`par`], [`progress`] | | what all rooms share: the plane or space, errors, threads, progress |
+//! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all rooms share: the plane or space, errors, instruction sets, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
 //!
 //! Data flows one way, top to bottom. No room but `ffi` knows that C exists.
@@ -21,6 +21,7 @@ pub mod error;
 pub mod ffi;
 pub mod field;
 pub mod geometry;
+pub mod isa;
 pub mod linalg;
 pub mod par;
 pub mod progress;
