@@ -7,8 +7,11 @@ use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::geometry::vec::{norm, scale, sub};
 use crate::par::Workers;
+use crate::isa::Portable;
 use crate::spline::Grid;
+use crate::spline::assembled::{Assembled, add_products_of_pairs, pairs};
 use crate::spline::basis::Weights;
+use crate::spline::kernel::Stencil;
 use std::ops::Range;
 
 /// Cells along x of a slab. The points of a slab touch its planes of control points and the three behind, so slabs of at least three
@@ -77,60 +80,148 @@ impl<const D: usize> Data<D> {
     }
 }
 
-/// Energy of the values and gradients at the points: sum of m_v phi^2 + lambda_n m_g |grad phi|^2.
-pub struct DataTerm<const D: usize = 3> {
-    data: Data<D>,
+/// The cells of one grid as the points see them: those of the finest, or of one that is coarser by powers of two.
+pub struct View<const D: usize = 3> {
     /// In units of D.
     grid: Grid<D>,
-    normal_weight: f64,
+    /// What turns coordinates in the finest cells into those of this grid's.
+    to_cells: [f64; D],
     /// 1 / h_a: what turns a derivative along a cell into one along x.
     per_cell: [f64; D],
     slabs: Vec<Range<usize>>,
 }
 
+impl<const D: usize> View<D> {
+    /// The points of `data` in `grid`, in units of D, of which the cells are `times` as long as the finest.
+    pub fn new(data: &Data<D>, grid: Grid<D>, times: [usize; D]) -> Self {
+        let to_cells = times.map(|t| 1.0 / t as f64);
+        let below = |cell: usize| data.xi.partition_point(|xi| grid.axes[0].locate(xi[0] * to_cells[0]).0 < cell);
+        let n_slabs = grid.axes[0].n_cells.div_ceil(SLAB);
+        let slabs = (0..n_slabs).map(|s| below(s * SLAB)..below((s + 1) * SLAB)).collect();
+        View { grid, to_cells, per_cell: grid.axes.map(|a| 1.0 / a.cell), slabs }
+    }
+
+    /// The grid, in units of D.
+    pub fn grid(&self) -> &Grid<D> {
+        &self.grid
+    }
+
+    #[inline]
+    fn stencil(&self, xi: &[f64; D]) -> (Stencil<D>, [f64; D]) {
+        self.grid.stencil(std::array::from_fn(|a| xi[a] * self.to_cells[a]))
+    }
+
+    /// Calls `work(point, layers of y along x, index of the first of these)` for each point; the order of the sums into an entry of y
+    /// does not depend on the threads.
+    fn by_slab(&self, workers: &Workers, y: &mut [f64], work: impl Fn(usize, &mut [f64], usize) + Send + Sync) {
+        let plane = self.grid.n_control() / self.grid.shape()[0];
+        for parity in 0..2 {
+            let Some(planes) = y.get_mut(parity * SLAB * plane..) else { break };
+            let slabs = self.slabs.iter().enumerate().skip(parity).step_by(2);
+            workers.for_each(slabs.zip(planes.chunks_mut(2 * SLAB * plane)), |((s, points), y)| {
+                for p in points.clone() {
+                    work(p, y, s * SLAB);
+                }
+            });
+        }
+    }
+}
+
+/// Energy of the values and gradients at the points: sum of m_v phi^2 + lambda_n m_g |grad phi|^2.
+pub struct DataTerm<const D: usize = 3> {
+    data: Data<D>,
+    /// The finest grid, in units of D.
+    view: View<D>,
+    normal_weight: f64,
+}
+
 impl<const D: usize> DataTerm<D> {
     /// The term for `data` in the cells of `grid`, which is in units of D.
     pub fn new(data: Data<D>, grid: Grid<D>, normal_weight: f64) -> Self {
-        let per_cell = grid.axes.map(|a| 1.0 / a.cell);
-        let below = |cell: usize| data.xi.partition_point(|xi| grid.axes[0].locate(xi[0]).0 < cell);
-        let n_slabs = grid.axes[0].n_cells.div_ceil(SLAB);
-        let slabs = (0..n_slabs).map(|s| below(s * SLAB)..below((s + 1) * SLAB)).collect();
-        DataTerm { data, grid, normal_weight, per_cell, slabs }
+        let view = View::new(&data, grid, [1; D]);
+        DataTerm { data, view, normal_weight }
     }
 
-    /// y += (the term's matrix) x
-    pub fn apply(&self, workers: &Workers, x: &[f64], y: &mut [f64]) {
-        self.by_slab(workers, y, |p, y, first_layer| {
-            let (stencil, u) = self.grid.stencil(self.data.xi[p]);
+    /// The points in a grid of which the cells are `times` as long as the finest.
+    pub fn view(&self, grid: Grid<D>, times: [usize; D]) -> View<D> {
+        View::new(&self.data, grid, times)
+    }
+
+    /// The finest grid.
+    pub fn finest(&self) -> &View<D> {
+        &self.view
+    }
+
+    /// y += (the term's matrix on the grid of `view`) x
+    pub fn apply(&self, view: &View<D>, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        view.by_slab(workers, y, |p, y, first_layer| {
+            let (stencil, u) = view.stencil(&self.data.xi[p]);
             let b = u.map(Weights::at);
             let (value, gradient) = stencil.value_gradient(x, &b);
-            let (mass, pull) = (self.data.mass[p].value, self.pull(p));
-            let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a] * gradient[a]);
+            let (mass, pull) = (self.data.mass[p].value, self.pull(view, p));
+            let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a] * gradient[a]);
             stencil.shifted(first_layer).scatter(y, &b, mass * value, gradient);
         });
     }
 
+    /// Adds the term's matrix on the grid of `view`.
+    pub fn add_to(&self, view: &View<D>, workers: &Workers, matrix: &mut Assembled) -> Result<()> {
+        let n = view.grid.n_cells();
+        let layer_of = |p: usize| if D == 3 { view.grid.axes[0].locate(self.data.xi[p][0] * view.to_cells[0]).0 } else { 0 };
+        matrix.add_cells(workers, |i, forms| {
+            for p in self.below(&layer_of, i)..self.below(&layer_of, i + 1) {
+                let xi: [f64; D] = std::array::from_fn(|a| self.data.xi[p][a] * view.to_cells[a]);
+                let (mut cell, mut x, mut y, mut z) = (0, [[1.0, 0.0]; 10], [[0.0; 12]; 2], [[0.0; 12]; 2]);
+                for a in 0..D {
+                    let (c, u) = view.grid.axes[a].locate(xi[a]);
+                    let Weights { w, dw } = Weights::at(u);
+                    let (plain, by_gradient) = (pairs(&w), pairs(&dw.map(|d| d * view.per_cell[a])));
+                    match a + 3 - D {
+                        0 => x = std::array::from_fn(|p| [plain[p], by_gradient[p]]),
+                        1 => (cell, y) = (c, [plain, by_gradient]),
+                        _ => (cell, z) = (cell * n[a] + c, [plain, by_gradient]),
+                    }
+                }
+                let Mass { value, gradient } = self.data.mass[p];
+                let pull = self.normal_weight * gradient;
+                let form = forms.of(cell);
+                let n_x = if D == 3 { 10 } else { 1 };
+                add_products_of_pairs::<Portable>(form, &x[..n_x], &y, &z, [value, pull, pull, pull]);
+            }
+        })
+    }
+
+    /// Points of which the layer along x lies below `layer`: these come first.
+    fn below(&self, layer_of: impl Fn(usize) -> usize, layer: usize) -> usize {
+        let (mut low, mut high) = (0, self.n_points());
+        while low < high {
+            let middle = low.midpoint(high);
+            if layer_of(middle) < layer { low = middle + 1 } else { high = middle }
+        }
+        low
+    }
+
     /// y += the right-hand side that asks for the gradient `sign` n at each point.
     pub fn add_right_hand_side(&self, workers: &Workers, sign: f64, y: &mut [f64]) {
-        self.by_slab(workers, y, |p, y, first_layer| {
-            let (stencil, u) = self.grid.stencil(self.data.xi[p]);
-            let pull = self.pull(p);
+        self.view.by_slab(workers, y, |p, y, first_layer| {
+            let (stencil, u) = self.view.stencil(&self.data.xi[p]);
+            let pull = self.pull(&self.view, p);
             let gradient = std::array::from_fn(|a| pull[a] * sign * self.data.normals[p][a]);
             stencil.shifted(first_layer).scatter(y, &u.map(Weights::at), 0.0, gradient);
         });
     }
 
-    /// y += the diagonal of the term's matrix.
-    pub fn add_diagonal(&self, workers: &Workers, y: &mut [f64]) {
-        self.by_slab(workers, y, |p, y, first_layer| {
-            let (stencil, u) = self.grid.stencil(self.data.xi[p]);
+    /// y += the diagonal of the term's matrix on the grid of `view`.
+    pub fn add_diagonal(&self, view: &View<D>, workers: &Workers, y: &mut [f64]) {
+        view.by_slab(workers, y, |p, y, first_layer| {
+            let (stencil, u) = view.stencil(&self.data.xi[p]);
             // The squares of the weights of a tensor product are the tensor product of the squares.
             let squares = u.map(|u| {
                 let Weights { w, dw } = Weights::at(u);
                 Weights { w: w.map(|w| w * w), dw: dw.map(|d| d * d) }
             });
-            let pull = self.pull(p);
-            let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a]);
+            let pull = self.pull(view, p);
+            let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a]);
             stencil.shifted(first_layer).scatter(y, &squares, self.data.mass[p].value, gradient);
         });
     }
@@ -148,9 +239,9 @@ impl<const D: usize> DataTerm<D> {
         workers.for_each(misfits.chunks_mut(CHUNK).enumerate(), |(chunk, misfits)| {
             for (i, misfit) in misfits.iter_mut().enumerate() {
                 let p = chunk * CHUNK + i;
-                let (stencil, u) = self.grid.stencil(self.data.xi[p]);
+                let (stencil, u) = self.view.stencil(&self.data.xi[p]);
                 let (value, g) = stencil.value_gradient(x, &u.map(Weights::at));
-                let gradient: [f64; D] = std::array::from_fn(|a| self.per_cell[a] * g[a]);
+                let gradient: [f64; D] = std::array::from_fn(|a| self.view.per_cell[a] * g[a]);
                 misfit.distance = value.abs() / norm(gradient).max(flattest);
                 misfit.normal = norm(sub(gradient, scale(sign, self.data.normals[p])));
             }
@@ -182,29 +273,14 @@ impl<const D: usize> DataTerm<D> {
         let mut points = try_with_capacity(n, "the points in units of D")?;
         let mut normals = try_with_capacity(n, "the normals")?;
         for p in (0..self.n_points()).filter(counts) {
-            points.push(std::array::from_fn(|a| self.data.xi[p][a] * self.grid.axes[a].cell));
+            points.push(std::array::from_fn(|a| self.data.xi[p][a] * self.view.grid.axes[a].cell));
             normals.push(self.data.normals[p]);
         }
         Cloud::new(points, normals)
     }
 
     /// mass lambda_n / h_a of point `p`.
-    fn pull(&self, p: usize) -> [f64; D] {
-        self.per_cell.map(|c| self.normal_weight * self.data.mass[p].gradient * c)
-    }
-
-    /// Calls `work(point, layers of y along x, index of the first of these)` for each point; the order of the sums into an entry of y
-    /// does not depend on the threads.
-    fn by_slab(&self, workers: &Workers, y: &mut [f64], work: impl Fn(usize, &mut [f64], usize) + Send + Sync) {
-        let plane = self.grid.n_control() / self.grid.shape()[0];
-        for parity in 0..2 {
-            let Some(planes) = y.get_mut(parity * SLAB * plane..) else { break };
-            let slabs = self.slabs.iter().enumerate().skip(parity).step_by(2);
-            workers.for_each(slabs.zip(planes.chunks_mut(2 * SLAB * plane)), |((s, points), y)| {
-                for p in points.clone() {
-                    work(p, y, s * SLAB);
-                }
-            });
-        }
+    fn pull(&self, view: &View<D>, p: usize) -> [f64; D] {
+        view.per_cell.map(|c| self.normal_weight * self.data.mass[p].gradient * c)
     }
 }

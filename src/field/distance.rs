@@ -22,7 +22,10 @@ use crate::geometry::neighbours::{Neighbour, Neighbours};
 use crate::geometry::vec::{dot, sub};
 use crate::par::Workers;
 use crate::spline::Grid;
-use crate::spline::centers::{Centers, taps};
+use crate::spline::assembled::{Assembled, add_products_of_pairs, pairs};
+use crate::spline::basis::Weights;
+use crate::spline::centers::{Centers, Taps};
+use crate::isa::Portable;
 
 /// Distance from the surface, in cells, from which on the term counts.
 const NEAREST: f64 = 1.0;
@@ -136,11 +139,52 @@ impl<const D: usize> DistanceTerm<D> {
         Ok(DistanceTerm { centers: Centers::new(grid)?, mass, distance, values })
     }
 
+    /// The part of the term that makes its matrix, on `grid`, coarser than this one's by twice along the axes for which `halved` is true:
+    /// the masses of cells, in the middle of those of the level between.
+    pub fn coarser(&self, grid: &Grid<D>) -> Result<Self> {
+        // Places of a coarse grid are the cells of the finer one: masses are first gathered in these.
+        let (from, to) = (self.centers.shape(), self.centers.cells());
+        let mut mass = try_vec(to.iter().product(), 0.0, "the far masses")?;
+        for (mut i, m) in self.mass.iter().enumerate() {
+            let (mut at, mut stride) = (0, 1);
+            for a in (0..D).rev() {
+                at += self.centers.place(a, i % from[a]).0 * stride;
+                (i, stride) = (i / from[a], stride * to[a]);
+            }
+            mass[at] += m;
+        }
+        let centers = Centers::of_finer(grid, to)?;
+        let values = try_vec(mass.len(), 0.0, "the far values")?;
+        Ok(DistanceTerm { centers, mass, distance: Vec::new(), values })
+    }
+
+    /// Adds the term's matrix.
+    pub fn add_to(&self, workers: &Workers, matrix: &mut Assembled) -> Result<()> {
+        let (n, cells) = (self.centers.shape(), self.centers.cells());
+        let along = |a: usize| (0..n[a]).map(|i| self.centers.place(a, i)).map(|(c, u)| (c, pairs(&Weights::at(u).w))).collect::<Vec<_>>();
+        let axes: [Vec<_>; D] = std::array::from_fn(along);
+        let plane = n[D - 2] * n[D - 1];
+        matrix.add_cells(workers, |layer, forms| {
+            let planes = self.mass.chunks(plane).enumerate();
+            for (i, mass) in planes.filter(|(i, _)| D == 2 || axes[0][*i].0 == layer) {
+                let x: [[f64; 2]; 10] = std::array::from_fn(|p| [if D == 3 { axes[0][i].1[p] } else { 1.0 }, 0.0]);
+                let n_x = if D == 3 { 10 } else { 1 };
+                for ((cy, y), mass) in axes[D - 2].iter().zip(mass.chunks(n[D - 1])) {
+                    for ((cz, z), m) in axes[D - 1].iter().zip(mass).filter(|(_, m)| **m > 0.0) {
+                        let form = forms.of(cy * cells[D - 1] + cz);
+                        let none = [0.0; 12];
+                        add_products_of_pairs::<Portable>(form, &x[..n_x], &[*y, none], &[*z, none], [*m, 0.0, 0.0, 0.0]);
+                    }
+                }
+            }
+        })
+    }
+
     /// y += (the term's matrix) x
     pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.centers.gather(&taps(), x, &mut self.values);
+        self.centers.gather(&Taps::values(), x, &mut self.values);
         self.values.iter_mut().zip(&self.mass).for_each(|(v, m)| *v *= m);
-        self.centers.scatter(&taps(), &self.values, y);
+        self.centers.scatter(&Taps::values(), &self.values, y);
     }
 
     /// y += the right-hand side that asks for `sign` d.
@@ -148,11 +192,11 @@ impl<const D: usize> DistanceTerm<D> {
         for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&self.distance) {
             *v = m * sign * d;
         }
-        self.centers.scatter(&taps(), &self.values, y);
+        self.centers.scatter(&Taps::values(), &self.values, y);
     }
 
     /// y += the diagonal of the term's matrix.
     pub fn add_diagonal(&mut self, y: &mut [f64]) {
-        self.centers.scatter(&taps().map(|w| w * w), &self.mass, y);
+        self.centers.scatter(&Taps::squares(), &self.mass, y);
     }
 }

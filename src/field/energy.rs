@@ -9,8 +9,9 @@
 
 use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};
-use super::smoothness::Smoothness;
+use super::levels::{Level, Terms, multigrid};
 use crate::error::try_vec;
+use crate::linalg::multigrid::Multigrid;
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::{Error, Result};
@@ -30,23 +31,21 @@ pub struct Energy<const D: usize = 3> {
     grid: Grid<D>,
     weights: EnergyWeights,
     data: DataTerm<D>,
-    smoothness: Smoothness,
-    /// `None` where the energy is the paper's.
-    distance: Option<DistanceTerm<D>>,
+    terms: Terms<D>,
 }
 
 impl<const D: usize> Energy<D> {
     /// The form on `grid`, in units of D, for `data` in its cells.
     pub fn new(data: Data<D>, grid: Grid<D>, weights: EnergyWeights) -> Result<Self> {
         let data = DataTerm::new(data, grid, weights.normal);
-        let smoothness = Smoothness::new(&grid, weights.smooth)?;
-        Ok(Energy { grid, weights, data, smoothness, distance: None })
+        let terms = Terms::new(data.view(grid, [1; D]), weights.smooth)?;
+        Ok(Energy { grid, weights, data, terms })
     }
 
     /// Adds the distance term for `far`, with weight `relative` lambda_r / h^4.
     pub fn hold(&mut self, far: FarDistances, relative: f64) -> Result<()> {
         let lambda_d = relative * self.weights.smooth / self.grid.longest_cell().powi(4);
-        self.distance = Some(DistanceTerm::new(far, &self.grid, lambda_d)?);
+        self.terms.distance = Some(DistanceTerm::new(far, &self.grid, lambda_d)?);
         Ok(())
     }
 
@@ -57,7 +56,7 @@ impl<const D: usize> Energy<D> {
 
     /// Takes the memory that applying the form works in.
     pub fn reserve(&mut self) -> Result<()> {
-        self.smoothness.reserve()
+        self.terms.smoothness.reserve()
     }
 
     /// The data terms.
@@ -72,7 +71,7 @@ impl<const D: usize> Energy<D> {
 
     /// Multiplies lambda_r by `factor`, in the smoothness alone.
     pub fn smoothen(&mut self, factor: f64) {
-        self.smoothness.scale(factor);
+        self.terms.smoothness.scale(factor);
     }
 
     /// b, for gradients `sign` n at the points and distances `sign` d away from them.
@@ -87,7 +86,7 @@ impl<const D: usize> Energy<D> {
                 "the normals cancel out, so that the surface has no outer side; normals out of the solid are needed";
             return Err(Error::Degenerate(text.into()));
         }
-        if let Some(distance) = &mut self.distance {
+        if let Some(distance) = &mut self.terms.distance {
             distance.add_right_hand_side(sign, &mut b);
         }
         Ok(b)
@@ -95,21 +94,16 @@ impl<const D: usize> Energy<D> {
 
     /// The diagonal of A.
     pub fn diagonal(&mut self, workers: &Workers) -> Result<Vec<f64>> {
-        let mut d = try_vec(self.grid.n_control(), 0.0, "the diagonal")?;
-        self.smoothness.add_diagonal(&mut d);
-        self.data.add_diagonal(workers, &mut d);
-        if let Some(distance) = &mut self.distance {
-            distance.add_diagonal(&mut d);
-        }
-        Ok(d)
+        self.terms.diagonal(&self.data, workers)
     }
 
     /// y = A x
     pub fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
-        self.smoothness.apply(workers, x, y);
-        self.data.apply(workers, x, y);
-        if let Some(distance) = &mut self.distance {
-            distance.apply(x, y);
-        }
+        self.terms.apply(&self.data, workers, x, y);
+    }
+
+    /// The multigrid of A; `None` where the grid is too small for one.
+    pub(super) fn multigrid(&mut self, workers: &Workers) -> Result<Option<Multigrid<Level<'_, D>>>> {
+        multigrid(&self.data, &mut self.terms, workers)
     }
 }

@@ -46,6 +46,7 @@ pub mod file;
 pub mod fit;
 pub mod function;
 pub mod lattice;
+mod levels;
 pub mod level_set;
 mod options;
 mod report;

@@ -12,7 +12,9 @@ use crate::Result;
 use crate::error::try_vec;
 use crate::par::Workers;
 use crate::spline::Grid;
+use crate::spline::assembled::Assembled;
 use crate::spline::gram::{Band, Gram, HALF_BAND, columns};
+use crate::spline::two_scale::coarser_gram;
 
 /// The operator (weight / |V|) int hess . hess on one grid.
 pub struct Smoothness {
@@ -34,6 +36,29 @@ impl Smoothness {
         }
         let volume: f64 = grid.axes.iter().map(|a| a.n_cells as f64 * a.cell).product();
         Ok(Smoothness { shape, gram, factor: weight / volume, scratch: Default::default() })
+    }
+
+    /// The operator on the grid with the axes coarsened for which `halved` is true: integrated over the same box.
+    pub fn coarser(&self, halved: [bool; 3]) -> Result<Self> {
+        let mut coarse = Smoothness { shape: self.shape, gram: self.gram.clone(), factor: self.factor, scratch: Default::default() };
+        for a in (0..3).filter(|a| halved[*a]) {
+            coarse.gram[a] = coarser_gram(&self.gram[a])?;
+            coarse.shape[a] = coarse.gram[a].order[0].len();
+        }
+        Ok(coarse)
+    }
+
+    /// Control points along x, y, z.
+    pub fn shape(&self) -> [usize; 3] {
+        self.shape
+    }
+
+    /// Adds the operator's matrix.
+    pub fn add_to(&self, workers: &Workers, matrix: &mut Assembled) {
+        let [a, b, c] = [0, 1, 2].map(|axis| &self.gram[axis].order);
+        matrix.add_products(workers, self.factor, &[[&a[2], &b[0], &c[0]], [&a[0], &b[2], &c[0]], [&a[0], &b[0], &c[2]]]);
+        let mixed = [[&a[1], &b[1], &c[0]], [&a[1], &b[0], &c[1]], [&a[0], &b[1], &c[1]]];
+        matrix.add_products(workers, 2.0 * self.factor, &mixed);
     }
 
     /// Multiplies the weight by `factor`.

@@ -5,35 +5,49 @@
 
 use super::energy::Energy;
 use crate::Result;
+use super::levels::Level;
 use crate::linalg::cg;
+use crate::linalg::multigrid::{Level as _, Multigrid};
 use crate::linalg::vector::update;
 use crate::par::Workers;
 
 /// A x = b, without b.
-pub struct System<'a, const D: usize = 3> {
-    energy: &'a mut Energy<D>,
-    /// 1 / diagonal of A [n]
-    inverse_diagonal: Vec<f64>,
+pub enum System<'a, const D: usize = 3> {
+    /// With the inverse of the diagonal.
+    Diagonal(&'a mut Energy<D>, Vec<f64>),
+    /// With a V-cycle.
+    Multigrid(Multigrid<Level<'a, D>>),
 }
 
 impl<'a, const D: usize> System<'a, D> {
     /// The system of `energy`.
     pub fn new(energy: &'a mut Energy<D>, workers: &Workers) -> Result<Self> {
         energy.reserve()?;
+        if std::env::var("MG").is_ok() {
+            return Ok(System::Multigrid(energy.multigrid(workers)?.expect("large")));
+        }
         let mut inverse_diagonal = energy.diagonal(workers)?;
         inverse_diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
-        Ok(System { energy, inverse_diagonal })
+        Ok(System::Diagonal(energy, inverse_diagonal))
     }
 }
 
 impl<const D: usize> cg::System for System<'_, D> {
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
-        self.energy.apply(workers, x, y);
+        match self {
+            System::Diagonal(energy, _) => energy.apply(workers, x, y),
+            System::Multigrid(multigrid) => multigrid.finest().apply(workers, x, y),
+        }
     }
 
     fn precondition(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
-        z.copy_from_slice(r);
-        update(workers, z, &self.inverse_diagonal, |d, r| d * r);
+        match self {
+            System::Diagonal(_, inverse_diagonal) => {
+                z.copy_from_slice(r);
+                update(workers, z, inverse_diagonal, |d, r| d * r);
+            }
+            System::Multigrid(multigrid) => multigrid.cycle(workers, r, z),
+        }
     }
 }
 

@@ -6,4 +6,5 @@
 
 pub mod cg;
 pub mod dense;
+pub mod multigrid;
 pub mod vector;

@@ -1,4 +1,5 @@
-//! Values of a spline at the centres of all cells, axis by axis: 12 multiplications a cell, where a point anywhere takes 84.
+//! Values of a spline at the centres of all cells, axis by axis: 12 multiplications a cell, where a point anywhere takes 84. On a coarse
+//! grid, the centres of the cells of the one that is finer.
 
 use super::Grid;
 use super::basis::Weights;
@@ -6,21 +7,49 @@ use crate::Result;
 use crate::error::try_vec;
 
 /// Weights of the four functions of a cell, the same along each axis.
-pub type Taps = [f64; 4];
+#[derive(Debug, Clone, Copy)]
+pub struct Taps {
+    /// At the centre of a cell.
+    whole: [f64; 4],
+    /// At the centres of its halves.
+    halves: [[f64; 4]; 2],
+}
 
-/// B_i at the centre of a cell.
-pub fn taps() -> Taps {
-    Weights::at(0.5).w
+impl Taps {
+    /// B_i
+    pub fn values() -> Self {
+        Taps { whole: Weights::at(0.5).w, halves: [0.25, 0.75].map(|u| Weights::at(u).w) }
+    }
+
+    /// B_i^2
+    pub fn squares() -> Self {
+        let Taps { whole, halves } = Taps::values();
+        let squares = |w: [f64; 4]| w.map(|w| w * w);
+        Taps { whole: squares(whole), halves: halves.map(squares) }
+    }
+}
+
+/// Places along one axis.
+#[derive(Debug, Clone, Copy)]
+struct Places {
+    /// How many.
+    n: usize,
+    n_control: usize,
+    /// Two a cell, but for the last where their number is odd.
+    halved: bool,
+}
+
+impl Places {
+    /// The cell of place `i` and the weights of its functions there.
+    fn at<'t>(&self, taps: &'t Taps, i: usize) -> (usize, &'t [f64; 4]) {
+        if self.halved { (i / 2, &taps.halves[i % 2]) } else { (i, &taps.whole) }
+    }
 }
 
 /// Sums over the control points of each cell, with the memory that they take.
 #[derive(Debug)]
 pub struct Centers<const D: usize = 3> {
-    /// Cells along the axes before each.
-    outer: [usize; D],
-    n_cells: [usize; D],
-    /// Control points along the axes behind each.
-    inner: [usize; D],
+    places: [Places; D],
     /// After each axis but the last.
     scratch: Vec<Vec<f64>>,
 }
@@ -28,61 +57,91 @@ pub struct Centers<const D: usize = 3> {
 impl<const D: usize> Centers<D> {
     /// For the cells of `grid`.
     pub fn new(grid: &Grid<D>) -> Result<Self> {
-        let (shape, n_cells) = (grid.shape(), grid.n_cells());
-        let outer = std::array::from_fn(|a| n_cells[..a].iter().product());
-        let inner = std::array::from_fn(|a| shape[a + 1..].iter().product());
-        let scratch = (0..D - 1).map(|a| try_vec(outer[a] * n_cells[a] * inner[a], 0.0, "the values at cells"));
-        Ok(Centers { outer, n_cells, inner, scratch: scratch.collect::<Result<_>>()? })
+        Centers::of_finer(grid, grid.n_cells())
     }
 
-    /// values = sum over a cell's control points of w_i w_j w_k c_ijk, one a cell
-    pub fn gather(&mut self, w: &Taps, coefficients: &[f64], values: &mut [f64]) {
-        for a in 0..D {
-            let sizes = self.sizes(a);
+    /// For `n` cells along each axis, those of `grid` or halves of them.
+    pub fn of_finer(grid: &Grid<D>, n: [usize; D]) -> Result<Self> {
+        let (shape, n_cells) = (grid.shape(), grid.n_cells());
+        let places = std::array::from_fn(|a| Places { n: n[a], n_control: shape[a], halved: n[a] > n_cells[a] });
+        let len = |a: usize| n[..=a].iter().product::<usize>() * shape[a + 1..].iter().product::<usize>();
+        let scratch = (0..D - 1).map(|a| try_vec(len(a), 0.0, "the values at cells"));
+        Ok(Centers { places, scratch: scratch.collect::<Result<_>>()? })
+    }
+
+    /// Places in all.
+    pub fn len(&self) -> usize {
+        self.places.iter().map(|p| p.n).product()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Cell and local coordinate of place `i` along `axis`.
+    pub fn place(&self, axis: usize, i: usize) -> (usize, f64) {
+        if self.places[axis].halved { (i / 2, 0.25 + 0.5 * (i % 2) as f64) } else { (i, 0.5) }
+    }
+
+    /// Cells along each axis.
+    pub fn cells(&self) -> [usize; D] {
+        self.places.map(|p| p.n_control - 3)
+    }
+
+    /// Places along each axis.
+    pub fn shape(&self) -> [usize; D] {
+        self.places.map(|p| p.n)
+    }
+
+    /// values = sum over a cell's control points of w_i w_j w_k c_ijk, one a place
+    pub fn gather(&mut self, taps: &Taps, coefficients: &[f64], values: &mut [f64]) {
+        for (a, places) in self.places.into_iter().enumerate() {
+            let inner = self.inner(a);
             let (done, rest) = self.scratch.split_at_mut(a);
             let from = done.last().map_or(coefficients, |v| &v[..]);
-            gather_axis(w, from, rest.first_mut().map_or(&mut *values, |v| &mut v[..]), sizes);
+            gather_axis(taps, places, from, rest.first_mut().map_or(&mut *values, |v| &mut v[..]), inner);
         }
     }
 
     /// coefficients += the transpose of [`Centers::gather`] applied to `values`.
-    pub fn scatter(&mut self, w: &Taps, values: &[f64], coefficients: &mut [f64]) {
+    pub fn scatter(&mut self, taps: &Taps, values: &[f64], coefficients: &mut [f64]) {
         self.scratch.iter_mut().for_each(|v| v.fill(0.0));
-        for a in (0..D).rev() {
-            let sizes = self.sizes(a);
+        for (a, places) in self.places.into_iter().enumerate().rev() {
+            let inner = self.inner(a);
             let (before, behind) = self.scratch.split_at_mut(a);
             let from = behind.first().map_or(values, |v| &v[..]);
-            scatter_axis(w, from, before.last_mut().map_or(&mut *coefficients, |v| &mut v[..]), sizes);
+            scatter_axis(taps, places, from, before.last_mut().map_or(&mut *coefficients, |v| &mut v[..]), inner);
         }
     }
 
-    /// Lines along axis `a`: how many blocks of them, their cells, and how many lie side by side.
-    fn sizes(&self, a: usize) -> [usize; 3] {
-        [self.outer[a], self.n_cells[a], self.inner[a]]
+    /// Control points side by side behind axis `a`.
+    fn inner(&self, a: usize) -> usize {
+        self.places[a + 1..].iter().map(|p| p.n_control).product()
     }
 }
 
-/// to[o, i, :] = sum_a w_a from[o, i + a, :], for `outer` o, `n` cells i and rows of `inner`.
-fn gather_axis(w: &Taps, from: &[f64], to: &mut [f64], [outer, n, inner]: [usize; 3]) {
-    for o in 0..outer {
-        let from = &from[o * (n + 3) * inner..][..(n + 3) * inner];
-        for (i, to) in to[o * n * inner..][..n * inner].chunks_mut(inner).enumerate() {
+/// to[o, i, :] = sum_a w_a from[o, cell(i) + a, :], for places i and rows of `inner`, block o by block.
+fn gather_axis(taps: &Taps, places: Places, from: &[f64], to: &mut [f64], inner: usize) {
+    for (from, to) in from.chunks(places.n_control * inner).zip(to.chunks_mut(places.n * inner)) {
+        for (i, to) in to.chunks_mut(inner).enumerate() {
             to.fill(0.0);
+            let (cell, w) = places.at(taps, i);
             for (a, w) in w.iter().enumerate() {
-                let row = &from[(i + a) * inner..][..inner];
+                let row = &from[(cell + a) * inner..][..inner];
                 to.iter_mut().zip(row).for_each(|(t, f)| *t += w * f);
             }
         }
     }
 }
 
-/// The transpose: to[o, i + a, :] += w_a from[o, i, :].
-fn scatter_axis(w: &Taps, from: &[f64], to: &mut [f64], [outer, n, inner]: [usize; 3]) {
-    for o in 0..outer {
-        let to = &mut to[o * (n + 3) * inner..][..(n + 3) * inner];
-        for (i, from) in from[o * n * inner..][..n * inner].chunks(inner).enumerate() {
+/// The transpose: to[o, cell(i) + a, :] += w_a from[o, i, :].
+fn scatter_axis(taps: &Taps, places: Places, from: &[f64], to: &mut [f64], inner: usize) {
+    for (from, to) in from.chunks(places.n * inner).zip(to.chunks_mut(places.n_control * inner)) {
+        for (i, from) in from.chunks(inner).enumerate() {
+            let (cell, w) = places.at(taps, i);
             for (a, w) in w.iter().enumerate() {
-                let row = &mut to[(i + a) * inner..][..inner];
+                let row = &mut to[(cell + a) * inner..][..inner];
                 row.iter_mut().zip(from).for_each(|(t, f)| *t += w * f);
             }
         }
@@ -101,7 +160,7 @@ mod tests {
             let c: Vec<f64> = (0..grid.n_control()).map(|i| (i as f64 * 0.37).sin()).collect();
             let mut centers = Centers::new(&grid).unwrap();
             let mut values = vec![0.0; n_cells.iter().product()];
-            centers.gather(&taps(), &c, &mut values);
+            centers.gather(&Taps::values(), &c, &mut values);
             let mut at = values.iter();
             for i in 0..n_cells[0] {
                 for j in 0..n_cells[1] {
@@ -113,7 +172,7 @@ mod tests {
             }
             let weights: Vec<f64> = (0..values.len()).map(|i| (i as f64 * 0.9).cos()).collect();
             let mut back = vec![0.0; c.len()];
-            centers.scatter(&taps(), &weights, &mut back);
+            centers.scatter(&Taps::values(), &weights, &mut back);
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
             assert!((dot(&values, &weights) - dot(&c, &back)).abs() < 1e-12);
         }

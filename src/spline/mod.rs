@@ -19,10 +19,12 @@
 
 #![forbid(unsafe_code)]
 
+pub mod assembled;
 pub mod axis;
 pub mod basis;
 pub mod centers;
 pub mod gram;
 pub mod kernel;
+pub mod two_scale;
 
 pub use axis::{Axis, Grid};

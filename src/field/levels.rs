@@ -1,0 +1,181 @@
+//! The energy's matrix on one grid, and on ever coarser ones for the multigrid: cells twice as long where they are short beside the others,
+//! the same points and the same box.
+//!
+//! Splines of a coarse grid are splines of the fine one, so the same energy on the coarse grid is the Galerkin product, exactly but for the
+//! distances, of which a coarse grid takes the masses of the finer ones in the middles of cells half as long.
+//!
+//! A grid needs no matrix until there are so many points a control point that entries are cheaper than they.
+
+use super::data::{DataTerm, View};
+use super::distance::DistanceTerm;
+use super::smoothness::Smoothness;
+use crate::Result;
+use crate::error::try_vec;
+use crate::linalg::dense::Cholesky;
+use crate::linalg::multigrid::{self, Multigrid, Smoother};
+use crate::par::Workers;
+use crate::spline::assembled::Assembled;
+use crate::spline::two_scale::{TwoScale, coarser};
+use crate::spline::{Axis, Grid};
+
+/// Unknowns of the coarsest grid, which is solved, at most, where its axes can be coarsened so far.
+const COARSEST: usize = 400;
+
+/// Control points a point below which a grid has entries: a row of them costs as much as so many points.
+const ENTRIES_BELOW: f64 = 0.2;
+
+/// An axis is coarsened where its cells are at most this many times as long as the shortest.
+const LONG: f64 = 1.5;
+
+/// Pivots that fall below this part of the diagonal are rounding.
+const LEAST_PIVOT: f64 = 1e-13;
+
+/// The terms of the energy on one grid.
+pub(super) struct Terms<const D: usize> {
+    pub view: View<D>,
+    pub smoothness: Smoothness,
+    /// `None` where the energy is the paper's.
+    pub distance: Option<DistanceTerm<D>>,
+    /// How many times as long as the finest the cells are.
+    times: [usize; D],
+}
+
+impl<const D: usize> Terms<D> {
+    /// On the finest grid.
+    pub fn new(view: View<D>, smooth_weight: f64) -> Result<Self> {
+        let smoothness = Smoothness::new(view.grid(), smooth_weight)?;
+        Ok(Terms { view, smoothness, distance: None, times: [1; D] })
+    }
+
+    /// y = A x
+    pub fn apply(&mut self, data: &DataTerm<D>, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        self.smoothness.apply(workers, x, y);
+        data.apply(&self.view, workers, x, y);
+        if let Some(distance) = &mut self.distance {
+            distance.apply(x, y);
+        }
+    }
+
+    /// The diagonal of A.
+    pub fn diagonal(&mut self, data: &DataTerm<D>, workers: &Workers) -> Result<Vec<f64>> {
+        let mut d = try_vec(self.view.grid().n_control(), 0.0, "the diagonal")?;
+        self.smoothness.add_diagonal(&mut d);
+        data.add_diagonal(&self.view, workers, &mut d);
+        if let Some(distance) = &mut self.distance {
+            distance.add_diagonal(&mut d);
+        }
+        Ok(d)
+    }
+
+    /// The axes to coarsen next; none where the grid is the coarsest.
+    fn halved(&self) -> [bool; D] {
+        let grid = self.view.grid();
+        let can = |a: usize| grid.axes[a].n_cells > 1;
+        let shortest = (0..D).filter(|a| can(*a)).fold(f64::INFINITY, |m, a| m.min(grid.axes[a].cell));
+        if grid.n_control() <= COARSEST { [false; D] } else { std::array::from_fn(|a| can(a) && grid.axes[a].cell <= LONG * shortest) }
+    }
+
+    /// The terms on the grid with the axes coarsened for which `halved` is true.
+    fn coarser(&self, data: &DataTerm<D>, halved: [bool; D]) -> Result<Self> {
+        let axis = |a: usize| match (self.view.grid().axes[a], halved[a]) {
+            (axis, false) => axis,
+            (axis, true) => Axis { cell: 2.0 * axis.cell, n_cells: coarser(axis.n_cells), ..axis },
+        };
+        let grid = Grid { axes: std::array::from_fn(axis) };
+        let times = std::array::from_fn(|a| if halved[a] { 2 * self.times[a] } else { self.times[a] });
+        let distance = self.distance.as_ref().map(|d| d.coarser(&grid)).transpose()?;
+        let mut smoothness = self.smoothness.coarser(in_space(halved))?;
+        smoothness.reserve()?;
+        Ok(Terms { smoothness, distance, view: data.view(grid, times), times })
+    }
+
+    fn assemble(&self, data: &DataTerm<D>, workers: &Workers) -> Result<Assembled> {
+        let mut matrix = Assembled::new(self.smoothness.shape())?;
+        self.smoothness.add_to(workers, &mut matrix);
+        data.add_to(&self.view, workers, &mut matrix)?;
+        if let Some(distance) = &self.distance {
+            distance.add_to(workers, &mut matrix)?;
+        }
+        Ok(matrix)
+    }
+}
+
+/// `halved` with the axes that the plane lacks, which are not.
+fn in_space<const D: usize>(halved: [bool; D]) -> [bool; 3] {
+    std::array::from_fn(|a| a + D >= 3 && halved[a + D - 3])
+}
+
+/// A on one grid.
+enum Form<'a, const D: usize> {
+    Finest(&'a mut Terms<D>),
+    Terms(Terms<D>),
+    Entries(Assembled),
+}
+
+/// One grid of the multigrid.
+pub(super) struct Level<'a, const D: usize> {
+    data: &'a DataTerm<D>,
+    form: Form<'a, D>,
+    to_coarser: TwoScale,
+    len: usize,
+}
+
+impl<const D: usize> multigrid::Level for Level<'_, D> {
+    fn len(&self) -> usize {
+        self.len
+    }
+
+    fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        match &mut self.form {
+            Form::Finest(terms) => terms.apply(self.data, workers, x, y),
+            Form::Terms(terms) => terms.apply(self.data, workers, x, y),
+            Form::Entries(matrix) => matrix.apply(workers, x, y),
+        }
+    }
+
+    fn restrict(&mut self, workers: &Workers, fine: &[f64], coarse: &mut [f64]) {
+        self.to_coarser.restrict(workers, fine, coarse);
+    }
+
+    fn prolong_add(&mut self, workers: &Workers, coarse: &[f64], fine: &mut [f64]) {
+        self.to_coarser.prolong_add(workers, coarse, fine);
+    }
+}
+
+/// The multigrid of `finest`; `None` where the grid is too small for one.
+pub(super) fn multigrid<'a, const D: usize>(
+    data: &'a DataTerm<D>,
+    finest: &'a mut Terms<D>,
+    workers: &Workers,
+) -> Result<Option<Multigrid<Level<'a, D>>>> {
+    let mut halved = finest.halved();
+    if halved == [false; D] {
+        return Ok(None);
+    }
+    let mut levels = Vec::new();
+    let mut next = finest.coarser(data, halved)?;
+    let mut diagonal = finest.diagonal(data, workers)?;
+    let (mut shape, mut form) = (finest.smoothness.shape(), Form::Finest(finest));
+    loop {
+        let to_coarser = TwoScale::new(shape, in_space(halved))?;
+        let mut level = Level { data, form, to_coarser, len: shape.iter().product() };
+        let smoother = Smoother::new(&mut level, diagonal, workers)?;
+        levels.push((level, smoother));
+        halved = next.halved();
+        if halved == [false; D] {
+            let matrix = next.assemble(data, workers)?;
+            let n = next.view.grid().n_control();
+            return Ok(Some(Multigrid::new(levels, Cholesky::new(n, matrix.lower_triangle()?, LEAST_PIVOT))?));
+        }
+        let coarser = next.coarser(data, halved)?;
+        shape = next.smoothness.shape();
+        let n = next.view.grid().n_control();
+        (diagonal, form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
+            let matrix = next.assemble(data, workers)?;
+            (matrix.diagonal()?, Form::Entries(matrix))
+        } else {
+            (next.diagonal(data, workers)?, Form::Terms(next))
+        };
+        next = coarser;
+    }
+}
