@@ -61,9 +61,7 @@ impl<const D: usize> Field<D> {
         options.validate::<D>()?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
-        let in_box =
-            |p: &[f64; D]| p.iter().zip(&self.grid.axes).all(|(x, axis)| (axis.lower..=axis.upper()).contains(x));
-        if let Some(i) = cloud.points().iter().position(|p| !in_box(p)) {
+        if let Some(i) = cloud.points().iter().position(|p| !self.grid.holds(p)) {
             let p = text(&cloud.points()[i]);
             return Err(Error::InvalidArgument(format!(
                 "point {i} is {p}, outside the field's box; fit anew, or with a larger margin before"
