@@ -176,8 +176,8 @@ impl<const D: usize> Fitting<'_, D> {
         Ok(x)
     }
 
-    /// The minimum from `x` on, with points that disagree with the others left out: from a much smoother field on, which they cannot bend, to the one
-    /// asked for. Distances are then measured to the points that are left.
+    /// The minimum from `x` on, with points that disagree with the others left out: from a much smoother field on, which they cannot bend,
+    /// to the one asked for. Distances are then measured to the points that are left.
     fn robustly(&mut self, mut x: Vec<f64>, progress: &mut Progress) -> Result<Vec<f64>> {
         let rounds = self.options.reweightings;
         let step = robust::START.powf(1.0 / f64::from(rounds.max(1)));
