@@ -17,9 +17,8 @@ pub(crate) fn replace(path: &Path, write: impl Fn(&mut BufWriter<File>) -> io::R
     }
     // A link stays a link: its target is replaced.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let temporary = temporary_beside(&target);
+    let (temporary, file) = create_beside(&target).map_err(io_error)?;
     let replaced = || {
-        let file = File::options().write(true).create_new(true).open(&temporary)?;
         if let Ok(old) = fs::metadata(&target) {
             file.set_permissions(old.permissions())?;
         }
@@ -27,10 +26,8 @@ pub(crate) fn replace(path: &Path, write: impl Fn(&mut BufWriter<File>) -> io::R
         fs::rename(&temporary, &target)
     };
     replaced().map_err(|e| {
-        // It may never have been made, or belong to someone else by that name; the first error is the one to tell.
-        if e.kind() != io::ErrorKind::AlreadyExists {
-            let _ = fs::remove_file(&temporary);
-        }
+        // The first error is the one to tell.
+        let _ = fs::remove_file(&temporary);
         io_error(e)
     })
 }
@@ -47,13 +44,20 @@ fn write_through(file: File, write: impl Fn(&mut BufWriter<File>) -> io::Result<
     }
 }
 
-/// A name beside `target` that no other save uses.
-fn temporary_beside(target: &Path) -> PathBuf {
-    let mut name = target.file_name().unwrap_or_default().to_owned();
-    let thread = format!("{:?}", std::thread::current().id());
-    let digits: String = thread.chars().filter(char::is_ascii_digit).collect();
-    name.push(format!(".{}-{digits}.tmp", std::process::id()));
-    target.with_file_name(name)
+/// A new file beside `target`. Names that are taken are passed over: they are another save's, or were left by a process of this number
+/// that was killed in one.
+fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
+    const MOST: u32 = 1000;
+    let mut number = 0;
+    loop {
+        let mut name = target.file_name().unwrap_or_default().to_owned();
+        name.push(format!(".{}-{number}.tmp", std::process::id()));
+        let path = target.with_file_name(name);
+        match File::options().write(true).create_new(true).open(&path) {
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && number < MOST => number += 1,
+            made => return made.map(|file| (path, file)),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -81,6 +85,17 @@ mod tests {
         replace(&path, |out| out.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
+        fs::remove_dir_all(dir).unwrap();
+    }
+
+    #[test]
+    fn what_a_killed_save_left_is_in_nobodys_way() {
+        let dir = folder("killed");
+        let path = dir.join("x");
+        let (left, _) = create_beside(&path).unwrap();
+        replace(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"new");
+        assert!(left.exists() && fs::read_dir(&dir).unwrap().count() == 2);
         fs::remove_dir_all(dir).unwrap();
     }
 

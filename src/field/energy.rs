@@ -4,8 +4,8 @@
 //! f(c) = sum m phi(p)^2 + lambda_n sum m |grad phi(p) - s n|^2 + (lambda_r/|V|) int ||hess phi||_F^2 dV + lambda_d E_d
 //! ```
 //!
-//! all in units of D; m is 1/N, or the share of a point that counts for more or less than others; s is 1 where the design may be outside and -1 where it may be inside, E_d is (9) kept away from the surface: see
-//! [`distance`](super::distance). Half its gradient is A c - b.
+//! all in units of D; m is 1/N, or the share of a point that counts for more or less than others; s is 1 where the design may be outside
+//! and -1 where it may be inside, E_d is (9) kept away from the surface: see [`distance`](super::distance). Half its gradient is A c - b.
 
 use super::data::{Data, DataTerm};
 use super::distance::{DistanceTerm, FarDistances};

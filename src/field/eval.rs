@@ -105,7 +105,7 @@ impl<const D: usize> Field<D> {
         }
         check_points(0, points)?;
         for (p, outside) in points.iter().zip(outside) {
-            *outside = u8::from(!self.in_box(self.to_cells(*p)));
+            *outside = u8::from(!self.grid.holds(p));
         }
         Ok(())
     }

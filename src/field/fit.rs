@@ -61,9 +61,7 @@ impl<const D: usize> Field<D> {
         options.validate::<D>()?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
-        let in_box =
-            |p: &[f64; D]| p.iter().zip(&self.grid.axes).all(|(x, axis)| (axis.lower..=axis.upper()).contains(x));
-        if let Some(i) = cloud.points().iter().position(|p| !in_box(p)) {
+        if let Some(i) = cloud.points().iter().position(|p| !self.grid.holds(p)) {
             let p = text(&cloud.points()[i]);
             return Err(Error::InvalidArgument(format!(
                 "point {i} is {p}, outside the field's box; fit anew, or with a larger margin before"
@@ -178,8 +176,8 @@ impl<const D: usize> Fitting<'_, D> {
         Ok(x)
     }
 
-    /// The minimum from `x` on, with points that disagree with the others left out: from a much smoother field on, which they cannot bend, to the one
-    /// asked for. Distances are then measured to the points that are left.
+    /// The minimum from `x` on, with points that disagree with the others left out: from a much smoother field on, which they cannot bend,
+    /// to the one asked for. Distances are then measured to the points that are left.
     fn robustly(&mut self, mut x: Vec<f64>, progress: &mut Progress) -> Result<Vec<f64>> {
         let rounds = self.options.reweightings;
         let step = robust::START.powf(1.0 / f64::from(rounds.max(1)));

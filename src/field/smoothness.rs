@@ -6,7 +6,8 @@
 //! A2 (x) (B0 C0) + A1 (x) 2 (B1 C0 + B0 C1) + A0 (x) (B2 C0 + 2 B1 C1 + B0 C2)
 //! ```
 //!
-//! applied plane by plane along z, then y, then x (in the plane A0 = 1, A1 = A2 = 0): 84 multiplications a control point, where the assembled matrix has 343 entries a row.
+//! applied plane by plane along z, then y, then x (in the plane A0 = 1, A1 = A2 = 0): 84 multiplications a control point, where the
+//! assembled matrix has 343 entries a row.
 
 use crate::Result;
 use crate::error::try_vec;

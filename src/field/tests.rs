@@ -112,6 +112,23 @@ fn energy(field: &Field, cloud: &Cloud, options: &FitOptions) -> f64 {
 }
 
 #[test]
+fn the_corners_of_a_box_are_not_outside_it() {
+    let mut random = SplitMix64::new(11);
+    let mut outside = [0; 3];
+    for _ in 0..1000 {
+        let lower = [0; 2].map(|_| random.between(-1e3, 1e3));
+        let upper = lower.map(|x| x + random.between(1e-3, 20.0));
+        let n = [0; 2].map(|_| 4 + (random.bits() % 60) as u32);
+        let grid = domain::grid_of_box(&lower, &upper, &n).unwrap();
+        let corners = [grid.axes.map(|a| a.lower), grid.axes.map(|a| a.upper())];
+        let beyond = corners[1].map(f64::next_up);
+        let field = Field::from_control_points(grid, vec![1.0; grid.n_control()], Feasible::Outside, 1.0).unwrap();
+        field.outside_box(&[corners[0], corners[1], beyond], &mut outside).unwrap();
+        assert_eq!(outside, [0, 0, 1], "{grid:?}");
+    }
+}
+
+#[test]
 fn without_departures_the_fit_is_the_minimum_of_the_papers_energy() {
     let cloud = ring();
     for feasible in [Feasible::Outside, Feasible::Inside] {

@@ -60,6 +60,11 @@ impl<const D: usize> Grid<D> {
         self.axes.map(|a| a.n_cells)
     }
 
+    /// Whether a point lies in the box or on one of its faces, by its own coordinates: those in cells are rounded.
+    pub fn holds(&self, p: &[f64; D]) -> bool {
+        p.iter().zip(&self.axes).all(|(x, axis)| (axis.lower..=axis.upper()).contains(x))
+    }
+
     /// The 4^D control points and the local coordinates of a point given in cells.
     #[inline]
     pub fn stencil(&self, xi: [f64; D]) -> (Stencil<D>, [f64; D]) {
