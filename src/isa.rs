@@ -8,6 +8,9 @@
 pub trait Isa: Copy + Send + Sync {
     /// a b + c, rounded once or twice.
     fn mul_add(a: f64, b: f64, c: f64) -> f64;
+
+    /// a b + c in single precision.
+    fn mul_add_f32(a: f32, b: f32, c: f32) -> f32;
 }
 
 /// What every target has.
@@ -19,6 +22,11 @@ impl Isa for Portable {
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         a * b + c
     }
+
+    #[inline(always)]
+    fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
+        a * b + c
+    }
 }
 
 /// AVX2 with fused multiply-add: x86-64 since 2013.
@@ -28,6 +36,11 @@ pub struct Avx2;
 impl Isa for Avx2 {
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+        a.mul_add(b, c)
+    }
+
+    #[inline(always)]
+    fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
         a.mul_add(b, c)
     }
 }

@@ -7,9 +7,9 @@ use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::geometry::vec::{norm, scale, sub};
 use crate::par::Workers;
-use crate::isa::Portable;
+use crate::isa::{Isa, Kernel, dispatch};
 use crate::spline::Grid;
-use crate::spline::assembled::{Assembled, add_products_of_pairs, pairs};
+use crate::spline::assembled::{Assembled, AxisProducts, LayerSums, products};
 use crate::spline::basis::Weights;
 use crate::spline::kernel::Stencil;
 use std::ops::Range;
@@ -165,30 +165,17 @@ impl<const D: usize> DataTerm<D> {
     }
 
     /// Adds the term's matrix on the grid of `view`.
-    pub fn add_to(&self, view: &View<D>, workers: &Workers, matrix: &mut Assembled) -> Result<()> {
-        let n = view.grid.n_cells();
-        let layer_of = |p: usize| if D == 3 { view.grid.axes[0].locate(self.data.xi[p][0] * view.to_cells[0]).0 } else { 0 };
-        matrix.add_cells(workers, |i, forms| {
-            for p in self.below(&layer_of, i)..self.below(&layer_of, i + 1) {
-                let xi: [f64; D] = std::array::from_fn(|a| self.data.xi[p][a] * view.to_cells[a]);
-                let (mut cell, mut x, mut y, mut z) = (0, [[1.0, 0.0]; 10], [[0.0; 12]; 2], [[0.0; 12]; 2]);
-                for a in 0..D {
-                    let (c, u) = view.grid.axes[a].locate(xi[a]);
-                    let Weights { w, dw } = Weights::at(u);
-                    let (plain, by_gradient) = (pairs(&w), pairs(&dw.map(|d| d * view.per_cell[a])));
-                    match a + 3 - D {
-                        0 => x = std::array::from_fn(|p| [plain[p], by_gradient[p]]),
-                        1 => (cell, y) = (c, [plain, by_gradient]),
-                        _ => (cell, z) = (cell * n[a] + c, [plain, by_gradient]),
-                    }
-                }
-                let Mass { value, gradient } = self.data.mass[p];
-                let pull = self.normal_weight * gradient;
-                let form = forms.of(cell);
-                let n_x = if D == 3 { 10 } else { 1 };
-                add_products_of_pairs::<Portable>(form, &x[..n_x], &y, &z, [value, pull, pull, pull]);
-            }
-        })
+    pub fn add_to(&self, view: &View<D>, workers: &Workers, matrix: &mut Assembled) {
+        matrix.add_layers(workers, |layer, sums| dispatch(AddLayer { term: self, view, layer, sums }));
+    }
+
+    /// The points in a layer of cells along x; in the plane, all.
+    fn of_layer(&self, view: &View<D>, layer: usize) -> Range<usize> {
+        if D == 2 {
+            return 0..self.n_points();
+        }
+        let layer_of = |p: usize| view.grid.axes[0].locate(self.data.xi[p][0] * view.to_cells[0]).0;
+        self.below(layer_of, layer)..self.below(layer_of, layer + 1)
     }
 
     /// Points of which the layer along x lies below `layer`: these come first.
@@ -282,5 +269,35 @@ impl<const D: usize> DataTerm<D> {
     /// mass lambda_n / h_a of point `p`.
     fn pull(&self, view: &View<D>, p: usize) -> [f64; D] {
         view.per_cell.map(|c| self.normal_weight * self.data.mass[p].gradient * c)
+    }
+}
+
+/// The matrix of the points in one layer of cells.
+struct AddLayer<'a, 'b, const D: usize> {
+    term: &'a DataTerm<D>,
+    view: &'a View<D>,
+    layer: usize,
+    sums: &'a mut LayerSums<'b>,
+}
+
+impl<const D: usize> Kernel for AddLayer<'_, '_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AddLayer { term: DataTerm { data, normal_weight, .. }, view, layer, sums } = self;
+        let ny = view.grid.axes[D - 2].n_control();
+        for p in self.term.of_layer(view, layer) {
+            let mut axes = [AxisProducts::of_no_axis(); 3];
+            let mut cell = [0; 3];
+            for a in 0..D {
+                let (c, u) = view.grid.axes[a].locate(data.xi[p][a] * view.to_cells[a]);
+                let Weights { w, dw } = Weights::at(u);
+                let slope = products(&dw.map(|d| d * view.per_cell[a]));
+                (cell[a + 3 - D], axes[a + 3 - D]) = (c, AxisProducts { value: products(&w), slope });
+            }
+            let Mass { value, gradient } = data.mass[p];
+            sums.add::<I>(ny, [cell[1], cell[2]], &axes, value, normal_weight * gradient);
+        }
     }
 }

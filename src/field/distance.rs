@@ -22,10 +22,10 @@ use crate::geometry::neighbours::{Neighbour, Neighbours};
 use crate::geometry::vec::{dot, sub};
 use crate::par::Workers;
 use crate::spline::Grid;
-use crate::spline::assembled::{Assembled, add_products_of_pairs, pairs};
+use crate::spline::assembled::{Assembled, AxisProducts, LayerSums, products};
 use crate::spline::basis::Weights;
 use crate::spline::centers::{Centers, Taps};
-use crate::isa::Portable;
+use crate::isa::{Isa, Kernel, dispatch};
 
 /// Distance from the surface, in cells, from which on the term counts.
 const NEAREST: f64 = 1.0;
@@ -159,25 +159,8 @@ impl<const D: usize> DistanceTerm<D> {
     }
 
     /// Adds the term's matrix.
-    pub fn add_to(&self, workers: &Workers, matrix: &mut Assembled) -> Result<()> {
-        let (n, cells) = (self.centers.shape(), self.centers.cells());
-        let along = |a: usize| (0..n[a]).map(|i| self.centers.place(a, i)).map(|(c, u)| (c, pairs(&Weights::at(u).w))).collect::<Vec<_>>();
-        let axes: [Vec<_>; D] = std::array::from_fn(along);
-        let plane = n[D - 2] * n[D - 1];
-        matrix.add_cells(workers, |layer, forms| {
-            let planes = self.mass.chunks(plane).enumerate();
-            for (i, mass) in planes.filter(|(i, _)| D == 2 || axes[0][*i].0 == layer) {
-                let x: [[f64; 2]; 10] = std::array::from_fn(|p| [if D == 3 { axes[0][i].1[p] } else { 1.0 }, 0.0]);
-                let n_x = if D == 3 { 10 } else { 1 };
-                for ((cy, y), mass) in axes[D - 2].iter().zip(mass.chunks(n[D - 1])) {
-                    for ((cz, z), m) in axes[D - 1].iter().zip(mass).filter(|(_, m)| **m > 0.0) {
-                        let form = forms.of(cy * cells[D - 1] + cz);
-                        let none = [0.0; 12];
-                        add_products_of_pairs::<Portable>(form, &x[..n_x], &[*y, none], &[*z, none], [*m, 0.0, 0.0, 0.0]);
-                    }
-                }
-            }
-        })
+    pub fn add_to(&self, workers: &Workers, matrix: &mut Assembled) {
+        matrix.add_layers(workers, |layer, sums| dispatch(AddLayer { term: self, layer, sums }));
     }
 
     /// y += (the term's matrix) x
@@ -198,5 +181,46 @@ impl<const D: usize> DistanceTerm<D> {
     /// y += the diagonal of the term's matrix.
     pub fn add_diagonal(&mut self, y: &mut [f64]) {
         self.centers.scatter(&Taps::squares(), &self.mass, y);
+    }
+}
+
+/// The matrix of the places in one layer of cells.
+struct AddLayer<'a, 'b, const D: usize> {
+    term: &'a DistanceTerm<D>,
+    layer: usize,
+    sums: &'a mut LayerSums<'b>,
+}
+
+impl<const D: usize> Kernel for AddLayer<'_, '_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AddLayer { term: DistanceTerm { centers, mass, .. }, layer, sums } = self;
+        let (n, ny) = (centers.shape(), centers.cells()[D - 2] + 3);
+        let plane = n[D - 2] * n[D - 1];
+        let mut axes = [AxisProducts::of_no_axis(); 3];
+        let at = |a: usize, i: usize| {
+            let (cell, u) = centers.place(a, i);
+            (cell, products(&Weights::at(u).w))
+        };
+        for (i, mass) in mass.chunks(plane).enumerate() {
+            if D == 3 {
+                let (cell, value) = at(0, i);
+                if cell != layer {
+                    continue;
+                }
+                axes[0].value = value;
+            }
+            for (j, mass) in mass.chunks(n[D - 1]).enumerate() {
+                let (cell_y, value) = at(D - 2, j);
+                axes[1] = AxisProducts { value, slope: [[0.0; 4]; 4] };
+                for (k, m) in mass.iter().enumerate().filter(|(_, m)| **m > 0.0) {
+                    let (cell_z, value) = at(D - 1, k);
+                    axes[2] = AxisProducts { value, slope: [[0.0; 4]; 4] };
+                    sums.add::<I>(ny, [cell_y, cell_z], &axes, *m, 0.0);
+                }
+            }
+        }
     }
 }

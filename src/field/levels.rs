@@ -14,18 +14,24 @@ use crate::error::try_vec;
 use crate::linalg::dense::Cholesky;
 use crate::linalg::multigrid::{self, Multigrid, Smoother};
 use crate::par::Workers;
+use crate::linalg::vector::update;
 use crate::spline::assembled::Assembled;
+use crate::spline::blocks::Blocks;
 use crate::spline::two_scale::{TwoScale, coarser};
 use crate::spline::{Axis, Grid};
+use std::ops::Range;
 
 /// Unknowns of the coarsest grid, which is solved, at most, where its axes can be coarsened so far.
 const COARSEST: usize = 400;
 
 /// Control points a point below which a grid has entries: a row of them costs as much as so many points.
-const ENTRIES_BELOW: f64 = 0.2;
+const ENTRIES_BELOW: f64 = 1.5;
 
 /// An axis is coarsened where its cells are at most this many times as long as the shortest.
 const LONG: f64 = 1.5;
+
+/// A control point is stiff where data hold it this many times as much as smoothness.
+const STIFF: f64 = 4.0;
 
 /// Pivots that fall below this part of the diagonal are rounding.
 const LEAST_PIVOT: f64 = 1e-13;
@@ -89,14 +95,44 @@ impl<const D: usize> Terms<D> {
         Ok(Terms { smoothness, distance, view: data.view(grid, times), times })
     }
 
-    fn assemble(&self, data: &DataTerm<D>, workers: &Workers) -> Result<Assembled> {
-        let mut matrix = Assembled::new(self.smoothness.shape())?;
+    /// A's entries in some planes of control points along x.
+    fn assemble(&self, data: &DataTerm<D>, planes: Range<usize>, workers: &Workers) -> Result<Assembled> {
+        let mut matrix = Assembled::new(self.smoothness.shape(), planes)?;
         self.smoothness.add_to(workers, &mut matrix);
-        data.add_to(&self.view, workers, &mut matrix)?;
+        data.add_to(&self.view, workers, &mut matrix);
         if let Some(distance) = &self.distance {
-            distance.add_to(workers, &mut matrix)?;
+            distance.add_to(workers, &mut matrix);
         }
         Ok(matrix)
+    }
+
+    /// The local inverse; `matrix` is A where all of it is assembled.
+    fn local(&mut self, data: &DataTerm<D>, matrix: Option<&Assembled>, workers: &Workers) -> Result<Local> {
+        let n = self.view.grid().n_control();
+        let (mut by_data, mut by_smoothness) = (try_vec(n, 0.0, "the smoother")?, try_vec(n, 0.0, "the smoother")?);
+        data.add_diagonal(&self.view, workers, &mut by_data);
+        self.smoothness.add_diagonal(&mut by_smoothness);
+        let stiffness: f64 = std::env::var("STIFF").map_or(4.0, |s| s.parse().unwrap());
+        let stiff: Vec<bool> = by_data.iter().zip(&by_smoothness).map(|(d, s)| *d > stiffness * s).collect();
+        let mut diagonal = self.diagonal(data, workers)?;
+        if !stiff.contains(&true) {
+            diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
+            return Ok(Local::Diagonal(diagonal));
+        }
+        let mut blocks = Blocks::new(self.smoothness.shape(), &diagonal)?;
+        match matrix {
+            Some(matrix) => blocks.add(matrix, &stiff, workers)?,
+            None => {
+                for planes in Blocks::windows(self.smoothness.shape()) {
+                    blocks.add(&self.assemble(data, planes, workers)?, &stiff, workers)?;
+                }
+            }
+        }
+        Ok(Local::Blocks(blocks))
+    }
+
+    fn assemble_all(&self, data: &DataTerm<D>, workers: &Workers) -> Result<Assembled> {
+        self.assemble(data, 0..self.smoothness.shape()[0], workers)
     }
 }
 
@@ -116,8 +152,16 @@ enum Form<'a, const D: usize> {
 pub(super) struct Level<'a, const D: usize> {
     data: &'a DataTerm<D>,
     form: Form<'a, D>,
+    local: Local,
     to_coarser: TwoScale,
     len: usize,
+}
+
+/// Its local inverse.
+enum Local {
+    /// 1 / diagonal [n]
+    Diagonal(Vec<f64>),
+    Blocks(Blocks),
 }
 
 impl<const D: usize> multigrid::Level for Level<'_, D> {
@@ -130,6 +174,16 @@ impl<const D: usize> multigrid::Level for Level<'_, D> {
             Form::Finest(terms) => terms.apply(self.data, workers, x, y),
             Form::Terms(terms) => terms.apply(self.data, workers, x, y),
             Form::Entries(matrix) => matrix.apply(workers, x, y),
+        }
+    }
+
+    fn invert_locally(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
+        match &self.local {
+            Local::Diagonal(inverse) => {
+                z.copy_from_slice(r);
+                update(workers, z, inverse, |d, r| d * r);
+            }
+            Local::Blocks(blocks) => blocks.apply(workers, r, z),
         }
     }
 
@@ -154,27 +208,34 @@ pub(super) fn multigrid<'a, const D: usize>(
     }
     let mut levels = Vec::new();
     let mut next = finest.coarser(data, halved)?;
-    let mut diagonal = finest.diagonal(data, workers)?;
-    let (mut shape, mut form) = (finest.smoothness.shape(), Form::Finest(finest));
+    let n = finest.view.grid().n_control();
+    let mut shape = finest.smoothness.shape();
+    let (mut local, mut form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
+        let t=std::time::Instant::now();
+        let matrix = finest.assemble_all(data, workers)?;
+        {eprintln!("assembled {:?}", t.elapsed());let l=finest.local(data, Some(&matrix), workers)?;eprintln!("blocks {:?}", t.elapsed()); (l, Form::Entries(matrix))}
+    } else {
+        (finest.local(data, None, workers)?, Form::Finest(finest))
+    };
     loop {
         let to_coarser = TwoScale::new(shape, in_space(halved))?;
-        let mut level = Level { data, form, to_coarser, len: shape.iter().product() };
-        let smoother = Smoother::new(&mut level, diagonal, workers)?;
+        let mut level = Level { data, form, local, to_coarser, len: shape.iter().product() };
+        let smoother = Smoother::new(&mut level, workers)?;
         levels.push((level, smoother));
         halved = next.halved();
         if halved == [false; D] {
-            let matrix = next.assemble(data, workers)?;
+            let matrix = next.assemble_all(data, workers)?;
             let n = next.view.grid().n_control();
             return Ok(Some(Multigrid::new(levels, Cholesky::new(n, matrix.lower_triangle()?, LEAST_PIVOT))?));
         }
         let coarser = next.coarser(data, halved)?;
         shape = next.smoothness.shape();
         let n = next.view.grid().n_control();
-        (diagonal, form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
-            let matrix = next.assemble(data, workers)?;
-            (matrix.diagonal()?, Form::Entries(matrix))
+        (local, form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
+            let matrix = next.assemble_all(data, workers)?;
+            (next.local(data, Some(&matrix), workers)?, Form::Entries(matrix))
         } else {
-            (next.diagonal(data, workers)?, Form::Terms(next))
+            (next.local(data, None, workers)?, Form::Terms(next))
         };
         next = coarser;
     }

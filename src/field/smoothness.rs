@@ -57,9 +57,9 @@ impl Smoothness {
     /// Adds the operator's matrix.
     pub fn add_to(&self, workers: &Workers, matrix: &mut Assembled) {
         let [a, b, c] = [0, 1, 2].map(|axis| &self.gram[axis].order);
-        matrix.add_products(workers, self.factor, &[[&a[2], &b[0], &c[0]], [&a[0], &b[2], &c[0]], [&a[0], &b[0], &c[2]]]);
+        matrix.add_bands(workers, self.factor, &[[&a[2], &b[0], &c[0]], [&a[0], &b[2], &c[0]], [&a[0], &b[0], &c[2]]]);
         let mixed = [[&a[1], &b[1], &c[0]], [&a[1], &b[0], &c[1]], [&a[0], &b[1], &c[1]]];
-        matrix.add_products(workers, 2.0 * self.factor, &mixed);
+        matrix.add_bands(workers, 2.0 * self.factor, &mixed);
     }
 
     /// Multiplies the weight by `factor`.

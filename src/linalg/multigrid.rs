@@ -1,7 +1,7 @@
 //! A V-cycle with Chebyshev smoothing, as a preconditioner (Briggs, Henson and McCormick 2000; Lottes 2022 for the polynomial).
 //!
-//! Notation: A the operator of a level, D its diagonal, lambda the largest eigenvalue of D^-1 A, P the prolongation from the next coarser
-//! level, on which the operator is P^T A P or close to it.
+//! Notation: A the operator of a level, B its local inverse, cheap and close to that of A on what no coarser level can express, lambda the
+//! largest eigenvalue of B A, P the prolongation from the next coarser level, on which the operator is P^T A P or close to it.
 //!
 //! Chebyshev polynomials of the fourth kind need no lower end of the spectrum to smooth: theirs is the best bound for a V-cycle of all
 //! polynomials of their degree without it.
@@ -20,6 +20,9 @@ pub trait Level {
     /// y = A x, both `[n]`.
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]);
 
+    /// z = B r, both `[n]`: B symmetric positive definite.
+    fn invert_locally(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]);
+
     /// coarse = P^T fine
     fn restrict(&mut self, workers: &Workers, fine: &[f64], coarse: &mut [f64]);
 
@@ -29,8 +32,6 @@ pub trait Level {
 
 /// What the smoothing of a level needs.
 pub struct Smoother {
-    /// 1 / D [n]
-    inverse_diagonal: Vec<f64>,
     /// lambda, or a little more
     largest: f64,
     /// The iterate, the residual, the step and its image, each [n].
@@ -46,57 +47,62 @@ const DEGREE: usize = 3;
 /// What an estimate of lambda from below is multiplied with.
 const SAFETY: f64 = 1.1;
 
+/// Steps of that estimate.
+const POWER_STEPS: usize = 8;
+
 impl Smoother {
-    /// For `level`, of the `diagonal` D.
-    pub fn new(level: &mut impl Level, mut diagonal: Vec<f64>, workers: &Workers) -> Result<Self> {
+    /// For `level`.
+    pub fn new(level: &mut impl Level, workers: &Workers) -> Result<Self> {
         let vector = || try_vec(level.len(), 0.0, "the vectors of the multigrid");
-        let (x, r, z, az) = (vector()?, vector()?, vector()?, vector()?);
-        diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
-        let mut smoother = Smoother { inverse_diagonal: diagonal, largest: 0.0, x, r, z, az };
+        let mut smoother = Smoother { largest: 0.0, x: vector()?, r: vector()?, z: vector()?, az: vector()? };
         smoother.largest = SAFETY * smoother.estimate_largest(level, workers);
         Ok(smoother)
     }
 
-    /// The power method on D^-1 A.
+    /// The power method on B A.
     fn estimate_largest(&mut self, level: &mut impl Level, workers: &Workers) -> f64 {
-        const STEPS: usize = 12;
         // Signs that alternate in no pattern of the grid's.
         for (i, z) in self.z.iter_mut().enumerate() {
             let hash = (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 33;
             *z = if hash & 1 == 0 { 1.0 } else { -1.0 };
         }
         let mut largest = 0.0;
-        for _ in 0..STEPS {
+        for _ in 0..POWER_STEPS {
             let size = norm(workers, &self.z);
             self.z.iter_mut().for_each(|z| *z /= size);
             level.apply(workers, &self.z, &mut self.az);
-            // The Rayleigh quotient in the inner product of D.
-            let weighted: f64 = self.z.iter().zip(&self.inverse_diagonal).map(|(z, d)| z * z / d).sum();
-            largest = dot(workers, &self.z, &self.az) / weighted;
-            self.z.copy_from_slice(&self.az);
-            update(workers, &mut self.z, &self.inverse_diagonal, |d, z| d * z);
+            level.invert_locally(workers, &self.az, &mut self.x);
+            // The Rayleigh quotient in the inner product of A.
+            largest = dot(workers, &self.az, &self.x) / dot(workers, &self.z, &self.az);
+            self.z.copy_from_slice(&self.x);
         }
+        if std::env::var("TELL").is_ok() { eprintln!("n {} largest {largest}", self.x.len()); }
         largest
     }
 
-    /// Smooths x with the residual r = b - A x at hand; leaves it at hand only where `keep_residual`.
-    fn smooth(&mut self, level: &mut impl Level, workers: &Workers, keep_residual: bool) {
-        for k in 1..=DEGREE {
-            let kf = k as f64;
-            let (old, new) = ((2.0 * kf - 3.0) / (2.0 * kf + 1.0), (8.0 * kf - 4.0) / (2.0 * kf + 1.0) / self.largest);
-            let r = &self.r;
-            let d = &self.inverse_diagonal;
-            if k == 1 {
-                self.z.fill(0.0);
-            }
-            self.z.iter_mut().zip(r.iter().zip(d)).for_each(|(z, (r, d))| *z = old * *z + new * d * r);
+    /// Smooths x with the residual r = b - A x at hand, which is that of the new x only where it is `kept`.
+    fn smooth(&mut self, level: &mut impl Level, workers: &Workers, residual: Residual) {
+        let degree: usize = std::env::var("DEG").map_or(3, |s| s.parse().unwrap());
+        for k in 1..=degree {
+            let k_real = k as f64;
+            let old = (2.0 * k_real - 3.0) / (2.0 * k_real + 1.0);
+            let new = (8.0 * k_real - 4.0) / (2.0 * k_real + 1.0) / self.largest;
+            level.invert_locally(workers, &self.r, &mut self.az);
+            update(workers, &mut self.z, &self.az, |b, z| if k == 1 { new * b } else { old * z + new * b });
             update(workers, &mut self.x, &self.z, |z, x| x + z);
-            if k < DEGREE || keep_residual {
+            if k < degree || residual == Residual::Kept {
                 level.apply(workers, &self.z, &mut self.az);
                 update(workers, &mut self.r, &self.az, |az, r| r - az);
             }
         }
     }
+}
+
+/// Whether a residual is wanted after smoothing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Residual {
+    Kept,
+    Spent,
 }
 
 /// A hierarchy with its smoothers; the coarsest level is solved.
@@ -131,7 +137,7 @@ impl<L: Level> Multigrid<L> {
     fn cycle_from(&mut self, l: usize, workers: &Workers) {
         let (level, smoother) = &mut self.levels[l];
         smoother.x.fill(0.0);
-        smoother.smooth(level, workers, true);
+        smoother.smooth(level, workers, Residual::Kept);
         match self.levels.get_mut(l..l + 2) {
             Some([(level, smoother), (_, below)]) => {
                 level.restrict(workers, &smoother.r, &mut below.r);
@@ -152,6 +158,6 @@ impl<L: Level> Multigrid<L> {
         update(workers, &mut smoother.x, &smoother.z, |z, x| x + z);
         level.apply(workers, &smoother.z, &mut smoother.az);
         update(workers, &mut smoother.r, &smoother.az, |az, r| r - az);
-        smoother.smooth(level, workers, false);
+        smoother.smooth(level, workers, Residual::Spent);
     }
 }

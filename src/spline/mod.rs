@@ -21,6 +21,7 @@
 
 pub mod assembled;
 pub mod axis;
+pub mod blocks;
 pub mod basis;
 pub mod centers;
 pub mod gram;
