@@ -6,6 +6,7 @@ use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::geometry::vec::{norm, scale, sub};
+use crate::isa::Portable;
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::basis::Weights;
@@ -103,10 +104,10 @@ impl<const D: usize> DataTerm<D> {
         self.by_slab(workers, y, |p, y, first_layer| {
             let (stencil, u) = self.grid.stencil(self.data.xi[p]);
             let b = u.map(Weights::at);
-            let (value, gradient) = stencil.value_gradient(x, &b);
+            let (value, gradient) = stencil.value_gradient::<Portable>(x, &b);
             let (mass, pull) = (self.data.mass[p].value, self.pull(p));
             let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a] * gradient[a]);
-            stencil.shifted(first_layer).scatter(y, &b, mass * value, gradient);
+            stencil.shifted(first_layer).scatter::<Portable>(y, &b, mass * value, gradient);
         });
     }
 
@@ -116,7 +117,7 @@ impl<const D: usize> DataTerm<D> {
             let (stencil, u) = self.grid.stencil(self.data.xi[p]);
             let pull = self.pull(p);
             let gradient = std::array::from_fn(|a| pull[a] * sign * self.data.normals[p][a]);
-            stencil.shifted(first_layer).scatter(y, &u.map(Weights::at), 0.0, gradient);
+            stencil.shifted(first_layer).scatter::<Portable>(y, &u.map(Weights::at), 0.0, gradient);
         });
     }
 
@@ -131,7 +132,7 @@ impl<const D: usize> DataTerm<D> {
             });
             let pull = self.pull(p);
             let gradient = std::array::from_fn(|a| pull[a] * self.per_cell[a]);
-            stencil.shifted(first_layer).scatter(y, &squares, self.data.mass[p].value, gradient);
+            stencil.shifted(first_layer).scatter::<Portable>(y, &squares, self.data.mass[p].value, gradient);
         });
     }
 
@@ -149,7 +150,7 @@ impl<const D: usize> DataTerm<D> {
             for (i, misfit) in misfits.iter_mut().enumerate() {
                 let p = chunk * CHUNK + i;
                 let (stencil, u) = self.grid.stencil(self.data.xi[p]);
-                let (value, g) = stencil.value_gradient(x, &u.map(Weights::at));
+                let (value, g) = stencil.value_gradient::<Portable>(x, &u.map(Weights::at));
                 let gradient: [f64; D] = std::array::from_fn(|a| self.per_cell[a] * g[a]);
                 misfit.distance = value.abs() / norm(gradient).max(flattest);
                 misfit.normal = norm(sub(gradient, scale(sign, self.data.normals[p])));
