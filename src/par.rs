@@ -163,6 +163,20 @@ pub fn share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) + Sync) ->
     })
 }
 
+/// [`share`] for work that may fail: the error of the first item that failed, in the order of the items.
+pub fn try_share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) -> Result<()> + Sync) -> Result<()> {
+    let first = Mutex::new(None::<(usize, Error)>);
+    share(n_threads, items.into_iter().enumerate().collect(), |(i, item)| {
+        if let Err(error) = work(item) {
+            let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+            if first.as_ref().is_none_or(|(at, _)| i < *at) {
+                *first = Some((i, error));
+            }
+        }
+    })?;
+    first.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
+}
+
 fn join(threads: Vec<JoinHandle<()>>) {
     for thread in threads {
         // The pool hands a worker's panic to the caller of the work; none is left to tell of here.
@@ -199,6 +213,15 @@ mod tests {
     #[should_panic(expected = "item 77")]
     fn the_panic_of_a_shared_item_is_told() {
         let _ = share(3, (0..100).collect(), |i: usize| assert!(i != 77, "item {i}"));
+    }
+
+    #[test]
+    fn the_first_error_of_shared_items_is_told() {
+        for n_threads in [1, 2, 5] {
+            let fails = |i: usize| if i < 7 { Ok(()) } else { Err(Error::Degenerate(i.to_string())) };
+            assert_eq!(try_share(n_threads, (0..7).collect(), fails), Ok(()));
+            assert_eq!(try_share(n_threads, (0..100).collect(), fails), Err(Error::Degenerate("7".into())));
+        }
     }
 
     #[test]

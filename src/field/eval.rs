@@ -4,15 +4,17 @@
 use super::Field;
 use crate::geometry::vec::text;
 use crate::isa::{self, Isa, Kernel};
-use crate::par::{Workers, share};
+use crate::par::{Workers, try_share};
 use crate::spline::basis::Weights;
 use crate::spline::jet::{Scale, jet};
 use crate::spline::kernel::Hessian;
 use crate::{Error, Result};
-use std::sync::{Mutex, PoisonError};
 
-/// Points checked, then evaluated, at a time; and the work of one item when threads share a batch.
+/// Points checked, then evaluated, at a time.
 const BLOCK: usize = 256;
+
+/// Points that a thread takes at a time.
+const ITEM: usize = 16 * BLOCK;
 
 /// Points of which the control points are asked for while those before are evaluated, where the field is large.
 const GROUP: usize = 16;
@@ -80,7 +82,6 @@ impl<const D: usize> Field<D> {
 
     /// [`Field::eval`] with the batch spread over `n_threads` threads, as [`Workers::new`] takes them; the same bits.
     pub fn eval_parallel(&self, points: &[[f64; D]], outputs: Outputs<D>, n_threads: u32) -> Result<()> {
-        const ITEM: usize = 16 * BLOCK;
         outputs.check(points.len())?;
         Workers::check(n_threads)?;
         let mut rest = outputs;
@@ -90,23 +91,11 @@ impl<const D: usize> Field<D> {
             rest = behind;
             items.push((i * ITEM, points, outputs));
         }
-        let first_error = Mutex::new(None::<(usize, Error)>);
-        share(n_threads, items, |(first, points, outputs)| {
-            if let Err(error) = self.eval_from(first, points, outputs) {
-                let mut slot = first_error.lock().unwrap_or_else(PoisonError::into_inner);
-                if slot.as_ref().is_none_or(|(at, _)| first < *at) {
-                    *slot = Some((first, error));
-                }
-            }
-        })?;
-        match first_error.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            Some((_, error)) => Err(error),
-            None => Ok(()),
-        }
+        try_share(n_threads, items, |(first, points, outputs)| self.eval_from(first, points, outputs))
     }
 
     /// Whether evaluations wait for memory.
-    pub(super) fn is_large(&self) -> bool {
+    fn is_large(&self) -> bool {
         size_of_val(&self.coefficients[..]) >= LARGE
     }
 
