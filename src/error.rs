@@ -117,5 +117,6 @@ pub fn try_with_capacity<T>(capacity: usize, what: &str) -> Result<Vec<T>> {
         bytes: capacity as u128 * size_of::<T>() as u128,
         limit: None,
     })?;
+    crate::pages::prefer_huge(&mut vec);
     Ok(vec)
 }

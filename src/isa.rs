@@ -6,11 +6,47 @@
 
 /// What a set of instructions adds to Rust's arithmetic.
 pub trait Isa: Copy + Send + Sync {
+    /// Four numbers that are reckoned with at once.
+    type Four: Copy;
+
+    /// Whether [`Isa::mul_add`] is one instruction that rounds once: then polynomials are cheapest by Horner's rule.
+    const FUSED: bool;
+
     /// a b + c, rounded once or twice.
     fn mul_add(a: f64, b: f64, c: f64) -> f64;
 
     /// a b + c in single precision.
     fn mul_add_f32(a: f32, b: f32, c: f32) -> f32;
+
+    /// The whole part of a number that is at least 0 and below 2^63, in both types.
+    fn whole(x: f64) -> (usize, f64);
+
+    /// Four numbers from memory.
+    fn load(row: &[f64; 4]) -> Self::Four;
+
+    /// Four numbers to memory.
+    fn store(x: Self::Four, row: &mut [f64; 4]);
+
+    /// One number four times.
+    fn splat(x: f64) -> Self::Four;
+
+    /// a + b
+    fn add_4(a: Self::Four, b: Self::Four) -> Self::Four;
+
+    /// a - b
+    fn sub_4(a: Self::Four, b: Self::Four) -> Self::Four;
+
+    /// a b
+    fn mul_4(a: Self::Four, b: Self::Four) -> Self::Four;
+
+    /// a b + c, rounded once or twice.
+    fn mul_add_4(a: Self::Four, b: Self::Four, c: Self::Four) -> Self::Four;
+
+    /// (x_0 + x_1) + (x_2 + x_3)
+    fn sum(x: Self::Four) -> f64;
+
+    /// Rows become columns.
+    fn transposed(x: [Self::Four; 4]) -> [Self::Four; 4];
 }
 
 /// What every target has.
@@ -18,6 +54,10 @@ pub trait Isa: Copy + Send + Sync {
 pub struct Portable;
 
 impl Isa for Portable {
+    type Four = [f64; 4];
+
+    const FUSED: bool = false;
+
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         a * b + c
@@ -26,23 +66,169 @@ impl Isa for Portable {
     #[inline(always)]
     fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
         a * b + c
+    }
+
+    #[inline(always)]
+    fn whole(x: f64) -> (usize, f64) {
+        (x as usize, x as i64 as f64)
+    }
+
+    #[inline(always)]
+    fn load(row: &[f64; 4]) -> [f64; 4] {
+        *row
+    }
+
+    #[inline(always)]
+    fn store(x: [f64; 4], row: &mut [f64; 4]) {
+        *row = x;
+    }
+
+    #[inline(always)]
+    fn splat(x: f64) -> [f64; 4] {
+        [x; 4]
+    }
+
+    #[inline(always)]
+    fn add_4(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn sub_4(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] - b[k])
+    }
+
+    #[inline(always)]
+    fn mul_4(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn mul_add_4(a: [f64; 4], b: [f64; 4], c: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|k| a[k] * b[k] + c[k])
+    }
+
+    #[inline(always)]
+    fn sum(x: [f64; 4]) -> f64 {
+        (x[0] + x[1]) + (x[2] + x[3])
+    }
+
+    #[inline(always)]
+    fn transposed(x: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
+        std::array::from_fn(|i| std::array::from_fn(|j| x[j][i]))
     }
 }
 
-/// AVX2 with fused multiply-add: x86-64 since 2013.
-#[derive(Debug, Clone, Copy)]
-pub struct Avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx2 {
+    use super::Isa;
+    use std::arch::x86_64::*;
 
-impl Isa for Avx2 {
-    #[inline(always)]
-    fn mul_add(a: f64, b: f64, c: f64) -> f64 {
-        a.mul_add(b, c)
-    }
+    /// AVX2 with fused multiply-add: x86-64 since 2013. Seen by [`super::dispatch`] alone, which takes it where the machine has both: so
+    /// every function here runs on such a machine.
+    #[derive(Debug, Clone, Copy)]
+    pub(super) struct Avx2;
 
-    #[inline(always)]
-    fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
-        a.mul_add(b, c)
+    impl Isa for Avx2 {
+        type Four = __m256d;
+
+        const FUSED: bool = true;
+
+        #[inline(always)]
+        fn mul_add(a: f64, b: f64, c: f64) -> f64 {
+            a.mul_add(b, c)
+        }
+
+        #[inline(always)]
+        fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
+            a.mul_add(b, c)
+        }
+
+        #[inline(always)]
+        fn whole(x: f64) -> (usize, f64) {
+            // The double not from the index: that conversion writes half a register, and would wait for what it held for the last point.
+            // SAFETY: every x86-64 has SSE2.
+            (unsafe { _mm_cvttsd_si64(_mm_set_sd(x)) as usize }, x.floor())
+        }
+
+        #[inline(always)]
+        fn load(row: &[f64; 4]) -> __m256d {
+            // SAFETY: see `Avx2`; the row has four numbers.
+            unsafe { _mm256_loadu_pd(row.as_ptr()) }
+        }
+
+        #[inline(always)]
+        fn store(x: __m256d, row: &mut [f64; 4]) {
+            // SAFETY: see `Avx2`; the row has room for four numbers.
+            unsafe { _mm256_storeu_pd(row.as_mut_ptr(), x) }
+        }
+
+        #[inline(always)]
+        fn splat(x: f64) -> __m256d {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_set1_pd(x) }
+        }
+
+        #[inline(always)]
+        fn add_4(a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_add_pd(a, b) }
+        }
+
+        #[inline(always)]
+        fn sub_4(a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_sub_pd(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul_4(a: __m256d, b: __m256d) -> __m256d {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_mul_pd(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul_add_4(a: __m256d, b: __m256d, c: __m256d) -> __m256d {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_fmadd_pd(a, b, c) }
+        }
+
+        #[inline(always)]
+        fn sum(x: __m256d) -> f64 {
+            // SAFETY: see `Avx2`.
+            unsafe {
+                let pairs = _mm256_hadd_pd(x, x);
+                _mm_cvtsd_f64(_mm_add_sd(_mm256_castpd256_pd128(pairs), _mm256_extractf128_pd::<1>(pairs)))
+            }
+        }
+
+        #[inline(always)]
+        fn transposed([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
+            // SAFETY: see `Avx2`.
+            unsafe {
+                let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
+                let (ab_odd, cd_odd) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
+                [
+                    _mm256_permute2f128_pd::<0x20>(ab, cd),
+                    _mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd),
+                    _mm256_permute2f128_pd::<0x31>(ab, cd),
+                    _mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd),
+                ]
+            }
+        }
     }
+}
+
+/// Asks for the memory of `x`, which is to be read soon: a hint.
+#[inline(always)]
+pub fn prefetch(x: &f64) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: every x86-64 has the instruction; it reads nothing that a program sees.
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(x).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = x;
 }
 
 /// Work that is worth instructions of its own: a batch, not a point.
@@ -61,9 +247,18 @@ pub fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     {
         #[target_feature(enable = "avx2,fma")]
         fn with_avx2<K: Kernel>(kernel: K) -> K::Output {
-            kernel.run::<Avx2>()
+            kernel.run::<avx2::Avx2>()
+        }
+        /// The same instructions, and so the same bits, with 32 registers for 16: evaluations spill fewer numbers.
+        #[target_feature(enable = "avx2,fma,avx512f,avx512vl")]
+        fn with_more_registers<K: Kernel>(kernel: K) -> K::Output {
+            kernel.run::<avx2::Avx2>()
         }
         if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
+            if std::arch::is_x86_feature_detected!("avx512f") && std::arch::is_x86_feature_detected!("avx512vl") {
+                // SAFETY: the machine has all four features.
+                return unsafe { with_more_registers(kernel) };
+            }
             // SAFETY: the machine has both features.
             return unsafe { with_avx2(kernel) };
         }

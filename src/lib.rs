@@ -23,6 +23,7 @@ pub mod field;
 pub mod geometry;
 pub mod isa;
 pub mod linalg;
+mod pages;
 pub mod par;
 pub mod progress;
 mod replace;

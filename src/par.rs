@@ -5,6 +5,7 @@
 
 use crate::{Error, Result};
 use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 /// Prefix of the names of the pool's threads.
@@ -26,10 +27,7 @@ impl Workers {
     /// `n_threads` threads: 0 for all cores, 1 for none but the caller's.
     pub fn new(n_threads: u32) -> Result<Self> {
         Workers::check(n_threads)?;
-        let n_threads = match n_threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            n => n as usize,
-        };
+        let n_threads = count(n_threads);
         if n_threads == 1 {
             return Ok(Workers::caller_only());
         }
@@ -48,12 +46,7 @@ impl Workers {
             Ok(pool) => Ok(Workers { pool: Some(pool), threads }),
             Err(_) => {
                 join(threads);
-                // What the system is short of: each thread takes a stack.
-                Err(Error::OutOfMemory {
-                    what: format!("the stacks of {n_threads} threads"),
-                    bytes: n_threads as u128 * STACK as u128,
-                    limit: None,
-                })
+                Err(no_threads(n_threads))
             }
         }
     }
@@ -121,6 +114,69 @@ impl Drop for Workers {
     }
 }
 
+/// What 0 stands for, or `n_threads` itself.
+fn count(n_threads: u32) -> usize {
+    match n_threads {
+        0 => std::thread::available_parallelism().map_or(1, usize::from),
+        n => n as usize,
+    }
+}
+
+/// The error of threads that do not start: what the system is short of, since each takes a stack.
+fn no_threads(n: usize) -> Error {
+    Error::OutOfMemory { what: format!("the stacks of {n} threads"), bytes: n as u128 * STACK as u128, limit: None }
+}
+
+/// Runs `work` on every item once, in any order, on `n_threads` threads as [`Workers::new`] takes them, the caller's one of them: for work of
+/// less than milliseconds, which a pool would begin later. No more threads are started than there are items left.
+pub fn share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) + Sync) -> Result<()> {
+    Workers::check(n_threads)?;
+    let n_threads = count(n_threads).min(items.len());
+    if n_threads <= 1 {
+        items.into_iter().for_each(work);
+        return Ok(());
+    }
+    let items = Mutex::new(items.into_iter());
+    let next = || items.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let toil = || {
+        while let Some(item) = next() {
+            work(item);
+        }
+    };
+    std::thread::scope(|scope| {
+        let start = |i| {
+            let thread = std::thread::Builder::new().name(format!("{THREAD_NAME}-{i}")).stack_size(STACK);
+            thread.spawn_scoped(scope, toil)
+        };
+        let started: std::io::Result<Vec<_>> = (1..n_threads).map(start).collect();
+        if started.is_ok() {
+            toil();
+        } else {
+            // Nothing is left to those that did start.
+            while next().is_some() {}
+        }
+        for thread in started.map_err(|_| no_threads(n_threads))? {
+            // Here, not by the scope, which would lose the text of the panic.
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        }
+        Ok(())
+    })
+}
+
+/// [`share`] for work that may fail: the error of the first item that failed, in the order of the items.
+pub fn try_share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) -> Result<()> + Sync) -> Result<()> {
+    let first = Mutex::new(None::<(usize, Error)>);
+    share(n_threads, items.into_iter().enumerate().collect(), |(i, item)| {
+        if let Err(error) = work(item) {
+            let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+            if first.as_ref().is_none_or(|(at, _)| i < *at) {
+                *first = Some((i, error));
+            }
+        }
+    })?;
+    first.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
+}
+
 fn join(threads: Vec<JoinHandle<()>>) {
     for thread in threads {
         // The pool hands a worker's panic to the caller of the work; none is left to tell of here.
@@ -140,6 +196,31 @@ mod tests {
             let mut squares = vec![0; 100];
             workers.for_each(squares.iter_mut().enumerate(), |(i, s)| *s = i * i);
             assert_eq!(workers.map(100, |i| i * i), squares);
+        }
+    }
+
+    #[test]
+    fn shared_items_are_all_done_once() {
+        for n_threads in [0, 1, 2, 5, 300] {
+            let mut squares = vec![0; 100];
+            share(n_threads, squares.iter_mut().enumerate().collect(), |(i, s)| *s += i * i).unwrap();
+            assert_eq!(squares, (0..100).map(|i| i * i).collect::<Vec<_>>());
+            share(n_threads, Vec::<u8>::new(), |_| unreachable!()).unwrap();
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "item 77")]
+    fn the_panic_of_a_shared_item_is_told() {
+        let _ = share(3, (0..100).collect(), |i: usize| assert!(i != 77, "item {i}"));
+    }
+
+    #[test]
+    fn the_first_error_of_shared_items_is_told() {
+        for n_threads in [1, 2, 5] {
+            let fails = |i: usize| if i < 7 { Ok(()) } else { Err(Error::Degenerate(i.to_string())) };
+            assert_eq!(try_share(n_threads, (0..7).collect(), fails), Ok(()));
+            assert_eq!(try_share(n_threads, (0..100).collect(), fails), Err(Error::Degenerate("7".into())));
         }
     }
 

@@ -16,6 +16,7 @@
 
 use super::Field;
 use crate::geometry::vec::norm;
+use crate::isa::Portable;
 use crate::spline::kernel::Hessian;
 
 /// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.
@@ -95,7 +96,7 @@ impl<const D: usize> Field<D> {
             for k in (0..=n[D - 1]).step_by(if inner { n[D - 1] } else { 1 }) {
                 corner[D - 1] = k;
                 let (stencil, u) = self.grid.stencil(corner.map(|x| x as f64));
-                let value = stencil.value(&self.coefficients, u);
+                let value = stencil.value::<Portable>(&self.coefficients, u);
                 total += value;
                 size += value.abs();
                 count += 1.0;
@@ -115,7 +116,7 @@ impl<const D: usize> Field<D> {
     /// Jet of P(x_face + s(t)).
     fn bent_polynomial(&self, bent: [f64; D], bends: &[Bend; D]) -> Jet<D> {
         let (stencil, u) = self.grid.stencil(bent);
-        let (value, g, h) = stencil.value_gradient_hessian(&self.coefficients, u);
+        let (value, g, h) = stencil.value_gradient_hessian::<Portable>(&self.coefficients, u);
         let per_cell = self.grid.axes.map(|a| 1.0 / a.cell);
         let slope = |a: usize| per_cell[a] * bends[a].ds;
         let gradient = std::array::from_fn(|a| g[a] * slope(a));

@@ -6,8 +6,8 @@ use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::geometry::vec::{norm, scale, sub};
-use crate::par::Workers;
 use crate::isa::{Isa, Kernel, dispatch};
+use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::assembled::{Assembled, AxisProducts, LayerSums, products};
 use crate::spline::basis::Weights;
@@ -106,23 +106,45 @@ impl<const D: usize> View<D> {
         &self.grid
     }
 
-    #[inline]
+    #[inline(always)]
     fn stencil(&self, xi: &[f64; D]) -> (Stencil<D>, [f64; D]) {
         self.grid.stencil(std::array::from_fn(|a| xi[a] * self.to_cells[a]))
     }
 
-    /// Calls `work(point, layers of y along x, index of the first of these)` for each point; the order of the sums into an entry of y
-    /// does not depend on the threads.
-    fn by_slab(&self, workers: &Workers, y: &mut [f64], work: impl Fn(usize, &mut [f64], usize) + Send + Sync) {
+    /// Has each point add to y; the order of the sums into an entry of y does not depend on the threads.
+    fn by_slab(&self, workers: &Workers, y: &mut [f64], point: impl Point) {
         let plane = self.grid.n_control() / self.grid.shape()[0];
         for parity in 0..2 {
             let Some(planes) = y.get_mut(parity * SLAB * plane..) else { break };
             let slabs = self.slabs.iter().enumerate().skip(parity).step_by(2);
             workers.for_each(slabs.zip(planes.chunks_mut(2 * SLAB * plane)), |((s, points), y)| {
-                for p in points.clone() {
-                    work(p, y, s * SLAB);
-                }
+                dispatch(Slab { points: points.clone(), first_layer: s * SLAB, y, point });
             });
+        }
+    }
+}
+
+/// What a point adds.
+trait Point: Copy + Send + Sync {
+    /// Adds what point `p` does to the layers `y` along x, of which `first_layer` is the first.
+    fn add<I: Isa>(self, p: usize, y: &mut [f64], first_layer: usize);
+}
+
+/// The points of one slab.
+struct Slab<'a, P: Point> {
+    points: Range<usize>,
+    first_layer: usize,
+    y: &'a mut [f64],
+    point: P,
+}
+
+impl<P: Point> Kernel for Slab<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        for p in self.points {
+            self.point.add::<I>(p, self.y, self.first_layer);
         }
     }
 }
@@ -154,14 +176,7 @@ impl<const D: usize> DataTerm<D> {
 
     /// y += (the term's matrix on the grid of `view`) x
     pub fn apply(&self, view: &View<D>, workers: &Workers, x: &[f64], y: &mut [f64]) {
-        view.by_slab(workers, y, |p, y, first_layer| {
-            let (stencil, u) = view.stencil(&self.data.xi[p]);
-            let b = u.map(Weights::at);
-            let (value, gradient) = stencil.value_gradient(x, &b);
-            let (mass, pull) = (self.data.mass[p].value, self.pull(view, p));
-            let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a] * gradient[a]);
-            stencil.shifted(first_layer).scatter(y, &b, mass * value, gradient);
-        });
+        view.by_slab(workers, y, Product { term: self, view, x });
     }
 
     /// Adds the term's matrix on the grid of `view`.
@@ -190,27 +205,12 @@ impl<const D: usize> DataTerm<D> {
 
     /// y += the right-hand side that asks for the gradient `sign` n at each point.
     pub fn add_right_hand_side(&self, workers: &Workers, sign: f64, y: &mut [f64]) {
-        self.view.by_slab(workers, y, |p, y, first_layer| {
-            let (stencil, u) = self.view.stencil(&self.data.xi[p]);
-            let pull = self.pull(&self.view, p);
-            let gradient = std::array::from_fn(|a| pull[a] * sign * self.data.normals[p][a]);
-            stencil.shifted(first_layer).scatter(y, &u.map(Weights::at), 0.0, gradient);
-        });
+        self.view.by_slab(workers, y, RightHandSide { term: self, sign });
     }
 
     /// y += the diagonal of the term's matrix on the grid of `view`.
     pub fn add_diagonal(&self, view: &View<D>, workers: &Workers, y: &mut [f64]) {
-        view.by_slab(workers, y, |p, y, first_layer| {
-            let (stencil, u) = view.stencil(&self.data.xi[p]);
-            // The squares of the weights of a tensor product are the tensor product of the squares.
-            let squares = u.map(|u| {
-                let Weights { w, dw } = Weights::at(u);
-                Weights { w: w.map(|w| w * w), dw: dw.map(|d| d * d) }
-            });
-            let pull = self.pull(view, p);
-            let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a]);
-            stencil.shifted(first_layer).scatter(y, &squares, self.data.mass[p].value, gradient);
-        });
+        view.by_slab(workers, y, Diagonal { term: self, view });
     }
 
     /// Points.
@@ -224,14 +224,7 @@ impl<const D: usize> DataTerm<D> {
     pub fn misfits(&self, workers: &Workers, x: &[f64], sign: f64, flattest: f64, misfits: &mut [Misfit]) {
         const CHUNK: usize = 1024;
         workers.for_each(misfits.chunks_mut(CHUNK).enumerate(), |(chunk, misfits)| {
-            for (i, misfit) in misfits.iter_mut().enumerate() {
-                let p = chunk * CHUNK + i;
-                let (stencil, u) = self.view.stencil(&self.data.xi[p]);
-                let (value, g) = stencil.value_gradient(x, &u.map(Weights::at));
-                let gradient: [f64; D] = std::array::from_fn(|a| self.view.per_cell[a] * g[a]);
-                misfit.distance = value.abs() / norm(gradient).max(flattest);
-                misfit.normal = norm(sub(gradient, scale(sign, self.data.normals[p])));
-            }
+            dispatch(Misfits { term: self, x, sign, flattest, first: chunk * CHUNK, misfits });
         });
     }
 
@@ -267,8 +260,94 @@ impl<const D: usize> DataTerm<D> {
     }
 
     /// mass lambda_n / h_a of point `p`.
+    #[inline(always)]
     fn pull(&self, view: &View<D>, p: usize) -> [f64; D] {
         view.per_cell.map(|c| self.normal_weight * self.data.mass[p].gradient * c)
+    }
+}
+
+/// A point's part of the product with x.
+#[derive(Clone, Copy)]
+struct Product<'a, const D: usize> {
+    term: &'a DataTerm<D>,
+    view: &'a View<D>,
+    x: &'a [f64],
+}
+
+impl<const D: usize> Point for Product<'_, D> {
+    #[inline(always)]
+    fn add<I: Isa>(self, p: usize, y: &mut [f64], first_layer: usize) {
+        let Product { term, view, x } = self;
+        let (stencil, u) = view.stencil(&term.data.xi[p]);
+        let b = Weights::along::<I, D>(&u);
+        let (value, gradient) = stencil.value_gradient::<I>(x, &b);
+        let (mass, pull) = (term.data.mass[p].value, term.pull(view, p));
+        let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a] * gradient[a]);
+        stencil.shifted(first_layer).scatter::<I>(y, &b, mass * value, gradient);
+    }
+}
+
+/// A point's part of the right-hand side.
+#[derive(Clone, Copy)]
+struct RightHandSide<'a, const D: usize> {
+    term: &'a DataTerm<D>,
+    sign: f64,
+}
+
+impl<const D: usize> Point for RightHandSide<'_, D> {
+    #[inline(always)]
+    fn add<I: Isa>(self, p: usize, y: &mut [f64], first_layer: usize) {
+        let RightHandSide { term, sign } = self;
+        let (stencil, u) = term.view.stencil(&term.data.xi[p]);
+        let pull = term.pull(&term.view, p);
+        let gradient = std::array::from_fn(|a| pull[a] * sign * term.data.normals[p][a]);
+        stencil.shifted(first_layer).scatter::<I>(y, &Weights::along::<I, D>(&u), 0.0, gradient);
+    }
+}
+
+/// A point's part of the diagonal.
+#[derive(Clone, Copy)]
+struct Diagonal<'a, const D: usize> {
+    term: &'a DataTerm<D>,
+    view: &'a View<D>,
+}
+
+impl<const D: usize> Point for Diagonal<'_, D> {
+    #[inline(always)]
+    fn add<I: Isa>(self, p: usize, y: &mut [f64], first_layer: usize) {
+        let Diagonal { term, view } = self;
+        let (stencil, u) = view.stencil(&term.data.xi[p]);
+        // The squares of the weights of a tensor product are the tensor product of the squares.
+        let squares = Weights::along::<I, D>(&u).map(|Weights { w, dw }| Weights { w: w.map(|w| w * w), dw: dw.map(|d| d * d) });
+        let pull = term.pull(view, p);
+        let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a]);
+        stencil.shifted(first_layer).scatter::<I>(y, &squares, term.data.mass[p].value, gradient);
+    }
+}
+
+/// The misfits of some points in order.
+struct Misfits<'a, const D: usize> {
+    term: &'a DataTerm<D>,
+    x: &'a [f64],
+    sign: f64,
+    flattest: f64,
+    first: usize,
+    misfits: &'a mut [Misfit],
+}
+
+impl<const D: usize> Kernel for Misfits<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let Misfits { term: DataTerm { data, view, .. }, x, sign, flattest, first, misfits } = self;
+        for (p, misfit) in (first..).zip(misfits) {
+            let (stencil, u) = view.stencil(&data.xi[p]);
+            let (value, g) = stencil.value_gradient::<I>(x, &Weights::along::<I, D>(&u));
+            let gradient: [f64; D] = std::array::from_fn(|a| view.per_cell[a] * g[a]);
+            misfit.distance = value.abs() / norm(gradient).max(flattest);
+            misfit.normal = norm(sub(gradient, scale(sign, data.normals[p])));
+        }
     }
 }
 

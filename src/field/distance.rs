@@ -24,6 +24,7 @@ use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::assembled::{Assembled, AxisProducts, LayerSums, products};
 use crate::spline::basis::Weights;
+use crate::spline::gram::{Band, band_of_places};
 use crate::spline::centers::{Centers, Taps};
 use crate::isa::{Isa, Kernel, dispatch};
 
@@ -156,6 +157,20 @@ impl<const D: usize> DistanceTerm<D> {
         let centers = Centers::of_finer(grid, to)?;
         let values = try_vec(mass.len(), 0.0, "the far values")?;
         Ok(DistanceTerm { centers, mass, distance: Vec::new(), values })
+    }
+
+    /// The largest mass, and the matrices along each axis of which the tensor product times it would be the term's, had all places that mass.
+    pub fn uniform(&self) -> Result<(f64, [Band; D])> {
+        let n = self.centers.shape();
+        let band = |a: usize| {
+            let place = |i: usize| self.centers.place(a, i);
+            band_of_places(self.centers.cells()[a] + 3, (0..n[a]).map(place).map(|(cell, u)| (cell, Weights::at(u).w)))
+        };
+        let mut bands: [Band; D] = std::array::from_fn(|_| Vec::new());
+        for (a, to) in bands.iter_mut().enumerate() {
+            *to = band(a)?;
+        }
+        Ok((self.mass.iter().fold(0.0, |m: f64, x| m.max(*x)), bands))
     }
 
     /// Adds the term's matrix.

@@ -3,13 +3,24 @@
 
 use super::Field;
 use crate::geometry::vec::text;
-use crate::par::Workers;
+use crate::isa::{self, Isa, Kernel};
+use crate::par::{Workers, try_share};
 use crate::spline::basis::Weights;
+use crate::spline::jet::{Scale, jet};
 use crate::spline::kernel::Hessian;
 use crate::{Error, Result};
 
-/// Points checked, then evaluated, at a time; and the work of one item when threads share a batch.
+/// Points checked, then evaluated, at a time.
 const BLOCK: usize = 256;
+
+/// Points that a thread takes at a time.
+const ITEM: usize = 16 * BLOCK;
+
+/// Points of which the control points are asked for while those before are evaluated, where the field is large.
+const GROUP: usize = 16;
+
+/// Bytes of control points from which on most of them are not in a cache of the core's own: there asking for them ahead pays.
+const LARGE: usize = 8 << 20;
 
 /// Where the results of a batch go; `None` where one is not wanted.
 #[derive(Default)]
@@ -71,10 +82,8 @@ impl<const D: usize> Field<D> {
 
     /// [`Field::eval`] with the batch spread over `n_threads` threads, as [`Workers::new`] takes them; the same bits.
     pub fn eval_parallel(&self, points: &[[f64; D]], outputs: Outputs<D>, n_threads: u32) -> Result<()> {
-        const ITEM: usize = 16 * BLOCK;
         outputs.check(points.len())?;
         Workers::check(n_threads)?;
-        let workers = if points.len() <= ITEM { Workers::caller_only() } else { Workers::new(n_threads)? };
         let mut rest = outputs;
         let mut items = Vec::with_capacity(points.len().div_ceil(ITEM));
         for (i, points) in points.chunks(ITEM).enumerate() {
@@ -82,19 +91,12 @@ impl<const D: usize> Field<D> {
             rest = behind;
             items.push((i * ITEM, points, outputs));
         }
-        let first_error = std::sync::Mutex::new(None::<(usize, Error)>);
-        workers.for_each(items, |(first, points, outputs)| {
-            if let Err(error) = self.eval_from(first, points, outputs) {
-                let mut slot = first_error.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-                if slot.as_ref().is_none_or(|(at, _)| first < *at) {
-                    *slot = Some((first, error));
-                }
-            }
-        });
-        match first_error.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()) {
-            Some((_, error)) => Err(error),
-            None => Ok(()),
-        }
+        try_share(n_threads, items, |(first, points, outputs)| self.eval_from(first, points, outputs))
+    }
+
+    /// Whether evaluations wait for memory.
+    fn is_large(&self) -> bool {
+        size_of_val(&self.coefficients[..]) >= LARGE
     }
 
     /// Whether each of `points` lies outside the box, where the field is continued: see [`beyond`](super::beyond).
@@ -112,97 +114,144 @@ impl<const D: usize> Field<D> {
 
     /// Evaluates one part of a batch, the first point of which has index `first` in it.
     fn eval_from(&self, first: usize, points: &[[f64; D]], outputs: Outputs<D>) -> Result<()> {
-        let mut rest = outputs;
-        for (b, points) in points.chunks(BLOCK).enumerate() {
+        isa::dispatch(Batch { field: self, first, points, outputs })
+    }
+}
+
+/// One part of a batch, the first point of which has index `first` in it.
+struct Batch<'a, const D: usize> {
+    field: &'a Field<D>,
+    first: usize,
+    points: &'a [[f64; D]],
+    outputs: Outputs<'a, D>,
+}
+
+impl<const D: usize> Kernel for Batch<'_, D> {
+    type Output = Result<()>;
+
+    #[inline(always)]
+    fn run<I: Isa>(self) -> Result<()> {
+        let Batch { field, first, points: all, outputs: mut rest } = self;
+        for (b, points) in all.chunks(BLOCK).enumerate() {
             check_points(first + b * BLOCK, points)?;
-            let (block, behind) = rest.split(points.len());
-            rest = behind;
-            match block {
-                Outputs { values, gradients, hessians: Some(hessians) } => {
-                    self.block_with_hessian(points, values, gradients, hessians);
+            let group = if field.is_large() { GROUP } else { BLOCK };
+            for (g, group_points) in points.chunks(group).enumerate() {
+                if field.is_large() {
+                    // The first of a block are asked for with the last of the block before.
+                    let behind = &all[(b * BLOCK + (g + 1) * GROUP).min(all.len())..];
+                    prefetch::<I, D>(field, &behind[..GROUP.min(behind.len())]);
                 }
-                Outputs { values, gradients: Some(gradients), hessians: None } => {
-                    self.block_with_gradient(points, values, gradients);
-                }
-                Outputs { values: Some(values), .. } => self.block_of_values(points, values),
-                Outputs { values: None, .. } => {}
+                let (outputs, behind) = rest.split(group_points.len());
+                rest = behind;
+                evaluate::<I, D>(field, group_points, outputs);
             }
         }
         Ok(())
     }
+}
 
-    fn block_of_values(&self, points: &[[f64; D]], values: &mut [f64]) {
-        for (p, value) in points.iter().zip(values) {
-            let xi = self.to_cells(*p);
-            *value = if self.in_box(xi) {
-                let (stencil, u) = self.grid.stencil(xi);
-                stencil.value(&self.coefficients, u)
-            } else {
-                self.continued(xi).0
-            };
+/// Asks for the control points that `points` take.
+#[inline(always)]
+fn prefetch<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]]) {
+    for p in points {
+        let xi = field.cells.coordinates(p);
+        // Not yet checked: of a NaN this is false too.
+        if field.cells.contain(&xi) {
+            field.cells.stencil::<I>(&xi).0.prefetch(&field.coefficients);
         }
     }
+}
 
-    fn block_with_gradient(&self, points: &[[f64; D]], mut values: Option<&mut [f64]>, gradients: &mut [[f64; D]]) {
-        for (i, (p, gradient)) in points.iter().zip(gradients).enumerate() {
-            let xi = self.to_cells(*p);
-            let value;
-            (value, *gradient) = if self.in_box(xi) {
-                let (stencil, u) = self.grid.stencil(xi);
-                let (value, g) = stencil.value_gradient(&self.coefficients, &u.map(Weights::at));
-                (value, std::array::from_fn(|a| g[a] * self.per_cell[a]))
-            } else {
-                let (value, gradient, _) = self.continued(xi);
-                (value, gradient)
-            };
-            if let Some(values) = &mut values {
-                values[i] = value;
-            }
+#[inline(always)]
+fn evaluate<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]], outputs: Outputs<D>) {
+    match outputs {
+        Outputs { values, gradients, hessians: Some(hessians) } => {
+            block_with_hessian::<I, D>(field, points, values, gradients, hessians);
+        }
+        Outputs { values, gradients: Some(gradients), hessians: None } => {
+            block_with_gradient::<I, D>(field, points, values, gradients);
+        }
+        Outputs { values: Some(values), .. } => block_of_values::<I, D>(field, points, values),
+        Outputs { values: None, .. } => {}
+    }
+}
+
+#[inline(always)]
+fn block_of_values<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]], values: &mut [f64]) {
+    for (p, value) in points.iter().zip(values) {
+        let xi = field.cells.coordinates(p);
+        *value = if field.cells.contain(&xi) {
+            let (stencil, u) = field.cells.stencil::<I>(&xi);
+            stencil.value::<I>(&field.coefficients, u)
+        } else {
+            field.continued(xi).0
+        };
+    }
+}
+
+#[inline(always)]
+fn block_with_gradient<I: Isa, const D: usize>(
+    field: &Field<D>,
+    points: &[[f64; D]],
+    mut values: Option<&mut [f64]>,
+    gradients: &mut [[f64; D]],
+) {
+    let per_cell = field.cells.per_cell();
+    for (i, (p, gradient)) in points.iter().zip(gradients).enumerate() {
+        let xi = field.cells.coordinates(p);
+        let value;
+        (value, *gradient) = if field.cells.contain(&xi) {
+            let (stencil, u) = field.cells.stencil::<I>(&xi);
+            let (value, g) = stencil.value_gradient::<I>(&field.coefficients, &Weights::along::<I, D>(&u));
+            (value, std::array::from_fn(|a| g[a] * per_cell[a]))
+        } else {
+            let (value, gradient, _) = field.continued(xi);
+            (value, gradient)
+        };
+        if let Some(values) = &mut values {
+            values[i] = value;
         }
     }
+}
 
-    fn block_with_hessian(
-        &self,
-        points: &[[f64; D]],
-        mut values: Option<&mut [f64]>,
-        mut gradients: Option<&mut [[f64; D]]>,
-        hessians: &mut [f64],
-    ) {
-        let per_cell = self.per_cell;
-        for (i, (p, packed)) in points.iter().zip(hessians.chunks_exact_mut(packed::<D>())).enumerate() {
-            let xi = self.to_cells(*p);
-            let (value, gradient, hessian) = if self.in_box(xi) {
-                let (stencil, u) = self.grid.stencil(xi);
-                let (value, g, h) = stencil.value_gradient_hessian(&self.coefficients, u);
-                let hessian = std::array::from_fn(|a| std::array::from_fn(|b| h[a][b] * (per_cell[a] * per_cell[b])));
-                (value, std::array::from_fn(|a| g[a] * per_cell[a]), hessian)
-            } else {
-                self.continued(xi)
-            };
+#[inline(always)]
+fn block_with_hessian<I: Isa, const D: usize>(
+    field: &Field<D>,
+    points: &[[f64; D]],
+    mut values: Option<&mut [f64]>,
+    mut gradients: Option<&mut [[f64; D]]>,
+    hessians: &mut [f64],
+) {
+    let (per_cell, scale) = (field.cells.per_cell(), Scale::of(&field.cells));
+    for (i, (p, packed)) in points.iter().zip(hessians.chunks_exact_mut(packed::<D>())).enumerate() {
+        let xi = field.cells.coordinates(p);
+        let (value, gradient);
+        if !field.cells.contain(&xi) {
+            let hessian;
+            (value, gradient, hessian) = field.continued(xi);
             pack(&hessian, packed);
-            if let Some(values) = &mut values {
-                values[i] = value;
-            }
-            if let Some(gradients) = &mut gradients {
-                gradients[i] = gradient;
-            }
+        } else if I::FUSED {
+            let (stencil, u) = field.cells.stencil::<I>(&xi);
+            let upper;
+            (value, gradient, upper) = jet::<I, D>(&stencil, &field.coefficients, &u, &scale);
+            packed.copy_from_slice(&upper[..packed.len()]);
+        } else {
+            let (stencil, u) = field.cells.stencil::<I>(&xi);
+            let (v, g, h) = stencil.value_gradient_hessian::<I>(&field.coefficients, u);
+            (value, gradient) = (v, std::array::from_fn(|a| g[a] * per_cell[a]));
+            pack::<D>(&std::array::from_fn(|a| std::array::from_fn(|b| h[a][b] * (per_cell[a] * per_cell[b]))), packed);
         }
-    }
-
-    /// Coordinates in cells.
-    #[inline]
-    fn to_cells(&self, p: [f64; D]) -> [f64; D] {
-        std::array::from_fn(|a| (p[a] - self.grid.axes[a].lower) * self.per_cell[a])
-    }
-
-    #[inline]
-    fn in_box(&self, xi: [f64; D]) -> bool {
-        (0..D).all(|a| xi[a] >= 0.0 && xi[a] <= self.grid.axes[a].n_cells as f64)
+        if let Some(values) = &mut values {
+            values[i] = value;
+        }
+        if let Some(gradients) = &mut gradients {
+            gradients[i] = gradient;
+        }
     }
 }
 
 /// The rows of the upper triangle.
-#[inline]
+#[inline(always)]
 fn pack<const D: usize>(hessian: &Hessian<D>, packed: &mut [f64]) {
     let upper = (0..D).flat_map(|a| (a..D).map(move |b| (a, b)));
     packed.iter_mut().zip(upper).for_each(|(p, (a, b))| *p = hessian[a][b]);
@@ -212,16 +261,72 @@ fn pack<const D: usize>(hessian: &Hessian<D>, packed: &mut [f64]) {
 const LARGEST: f64 = 1e150;
 
 /// Refuses points that are not finite, or too far, naming the first by its index in the batch.
+#[inline(always)]
 pub(super) fn check_points<const D: usize>(first: usize, points: &[[f64; D]]) -> Result<()> {
-    // A NaN compares as false.
-    let served = |p: &[f64; D]| p.iter().all(|x| x.abs() <= LARGEST);
-    match points.iter().position(|p| !served(p)) {
-        None => Ok(()),
-        Some(i) => {
-            let (p, i) = (text(&points[i]), first + i);
-            Err(Error::InvalidArgument(format!(
-                "point {i} is {p}; coordinates must be finite, and at most {LARGEST:e} in size"
-            )))
+    // A NaN compares as false. All are looked at: a loop without a way out is one of vectors.
+    let served = points.as_flattened().iter().fold(true, |served, x| served & (x.abs() <= LARGEST));
+    if served { Ok(()) } else { Err(unserved(first, points)) }
+}
+
+/// The error that names the first point that is not served.
+#[cold]
+fn unserved<const D: usize>(first: usize, points: &[[f64; D]]) -> Error {
+    let i = points.iter().position(|p| !p.iter().all(|x| x.abs() <= LARGEST)).unwrap_or_default();
+    let (p, i) = (text(&points[i]), first + i);
+    Error::InvalidArgument(format!("point {i} is {p}; coordinates must be finite, and at most {LARGEST:e} in size"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Feasible, Field};
+    use crate::geometry::random::SplitMix64;
+    use crate::isa::Portable;
+    use crate::spline::{Axis, Grid};
+
+    /// All outputs of a batch as one kernel gives them: values, gradients, Hessians, each asked for alone and together.
+    fn outputs<const D: usize>(points: &[[f64; D]], eval: impl Fn(Outputs<D>) -> Result<()>) -> Vec<f64> {
+        let n = points.len();
+        let (mut v, mut g, mut h) = (vec![0.0; n], vec![[0.0; D]; n], vec![0.0; n * packed::<D>()]);
+        let mut all = Vec::new();
+        eval(Outputs { values: Some(&mut v), ..Outputs::default() }).unwrap();
+        all.extend(&v);
+        eval(Outputs { values: Some(&mut v), gradients: Some(&mut g), hessians: None }).unwrap();
+        all.extend(v.iter().chain(g.as_flattened()));
+        eval(Outputs { values: Some(&mut v), gradients: Some(&mut g), hessians: Some(&mut h) }).unwrap();
+        all.extend(v.iter().chain(g.as_flattened()).chain(&h));
+        all
+    }
+
+    fn instruction_sets_agree<const D: usize>(n_cells: [usize; D]) {
+        let mut random = SplitMix64::new(9);
+        let grid = Grid { axes: n_cells.map(|n| Axis { lower: random.between(-2.0, 2.0), cell: 1.0, n_cells: n }) };
+        let c: Vec<f64> = (0..grid.n_control()).map(|_| random.between(-1.0, 1.0)).collect();
+        let field = Field::from_control_points(grid, c, Feasible::Outside, 1.0).unwrap();
+        // In the box and around it, every third coordinate on a knot or a face.
+        let points: Vec<[f64; D]> = (0..700)
+            .map(|i| {
+                std::array::from_fn(|a| {
+                    let xi = random.between(-1.0, n_cells[a] as f64 + 1.0);
+                    grid.axes[a].lower + if (i + a) % 3 == 0 { xi.round() } else { xi }
+                })
+            })
+            .collect();
+        let best = outputs(&points, |outputs| field.eval(&points, outputs));
+        let portable =
+            outputs(&points, |outputs| Batch { field: &field, first: 0, points: &points, outputs }.run::<Portable>());
+        for (i, (x, y)) in best.iter().zip(&portable).enumerate() {
+            assert!((x - y).abs() < 1e-13, "number {i}: {x} {y}");
+        }
+    }
+
+    #[test]
+    fn instruction_sets_agree_in_space_and_in_the_plane() {
+        for n_cells in [[1, 1, 1], [2, 7, 1], [5, 4, 9]] {
+            instruction_sets_agree(n_cells);
+        }
+        for n_cells in [[1, 1], [3, 2], [8, 11]] {
+            instruction_sets_agree(n_cells);
         }
     }
 }

@@ -14,9 +14,9 @@ use crate::error::try_vec;
 use crate::linalg::dense::Cholesky;
 use crate::linalg::multigrid::{self, Multigrid, Smoother};
 use crate::par::Workers;
-use crate::linalg::vector::update;
 use crate::spline::assembled::Assembled;
-use crate::spline::blocks::Blocks;
+use crate::spline::blocks::{Blocks, Kinds};
+use crate::spline::gram::{Band, Gram};
 use crate::spline::two_scale::{TwoScale, coarser};
 use crate::spline::{Axis, Grid};
 use std::ops::Range;
@@ -31,7 +31,7 @@ const ENTRIES_BELOW: f64 = 1.5;
 const LONG: f64 = 1.5;
 
 /// A control point is stiff where data hold it this many times as much as smoothness.
-const STIFF: f64 = 4.0;
+const STIFF: f64 = 0.5;
 
 /// Pivots that fall below this part of the diagonal are rounding.
 const LEAST_PIVOT: f64 = 1e-13;
@@ -98,7 +98,7 @@ impl<const D: usize> Terms<D> {
     /// A's entries in some planes of control points along x.
     fn assemble(&self, data: &DataTerm<D>, planes: Range<usize>, workers: &Workers) -> Result<Assembled> {
         let mut matrix = Assembled::new(self.smoothness.shape(), planes)?;
-        self.smoothness.add_to(workers, &mut matrix);
+        matrix.add_bands(workers, &self.smoothness.products());
         data.add_to(&self.view, workers, &mut matrix);
         if let Some(distance) = &self.distance {
             distance.add_to(workers, &mut matrix);
@@ -107,28 +107,39 @@ impl<const D: usize> Terms<D> {
     }
 
     /// The local inverse; `matrix` is A where all of it is assembled.
-    fn local(&mut self, data: &DataTerm<D>, matrix: Option<&Assembled>, workers: &Workers) -> Result<Local> {
+    fn blocks(&mut self, data: &DataTerm<D>, matrix: Option<&Assembled>, workers: &Workers) -> Result<Blocks> {
         let n = self.view.grid().n_control();
-        let (mut by_data, mut by_smoothness) = (try_vec(n, 0.0, "the smoother")?, try_vec(n, 0.0, "the smoother")?);
+        let zeros = || try_vec(n, 0.0, "the smoother");
+        let (mut by_data, mut by_smoothness, mut by_distance) = (zeros()?, zeros()?, zeros()?);
         data.add_diagonal(&self.view, workers, &mut by_data);
         self.smoothness.add_diagonal(&mut by_smoothness);
-        let stiffness: f64 = std::env::var("STIFF").map_or(4.0, |s| s.parse().unwrap());
-        let stiff: Vec<bool> = by_data.iter().zip(&by_smoothness).map(|(d, s)| *d > stiffness * s).collect();
-        let mut diagonal = self.diagonal(data, workers)?;
-        if !stiff.contains(&true) {
-            diagonal.iter_mut().for_each(|d| *d = 1.0 / *d);
-            return Ok(Local::Diagonal(diagonal));
+        let unit: Band = Gram::of_no_axis().order[0].clone();
+        let uniform = match &mut self.distance {
+            Some(distance) => {
+                distance.add_diagonal(&mut by_distance);
+                Some(distance.uniform()?)
+            }
+            None => None,
+        };
+        let diagonal: Vec<f64> = (0..n).map(|p| by_data[p] + by_smoothness[p] + by_distance[p]).collect();
+        let own: Vec<bool> = by_data.iter().zip(&by_smoothness).map(|(d, s)| *d > STIFF * s).collect();
+        let second: Vec<bool> = by_distance.iter().map(|d| *d > 0.0).collect();
+        let smooth = self.smoothness.products();
+        let mut held = smooth.clone();
+        if let Some((mass, bands)) = &uniform {
+            held.push((*mass, std::array::from_fn(|a| if a + D >= 3 { &bands[a + D - 3] } else { &unit })));
         }
+        let kinds = Kinds { own: &own, second: &second, operators: [smooth, held] };
         let mut blocks = Blocks::new(self.smoothness.shape(), &diagonal)?;
         match matrix {
-            Some(matrix) => blocks.add(matrix, &stiff, workers)?,
+            Some(matrix) => blocks.add(matrix, &kinds, workers)?,
             None => {
                 for planes in Blocks::windows(self.smoothness.shape()) {
-                    blocks.add(&self.assemble(data, planes, workers)?, &stiff, workers)?;
+                    blocks.add(&self.assemble(data, planes, workers)?, &kinds, workers)?;
                 }
             }
         }
-        Ok(Local::Blocks(blocks))
+        Ok(blocks)
     }
 
     fn assemble_all(&self, data: &DataTerm<D>, workers: &Workers) -> Result<Assembled> {
@@ -152,16 +163,9 @@ enum Form<'a, const D: usize> {
 pub(super) struct Level<'a, const D: usize> {
     data: &'a DataTerm<D>,
     form: Form<'a, D>,
-    local: Local,
+    blocks: Blocks,
     to_coarser: TwoScale,
     len: usize,
-}
-
-/// Its local inverse.
-enum Local {
-    /// 1 / diagonal [n]
-    Diagonal(Vec<f64>),
-    Blocks(Blocks),
 }
 
 impl<const D: usize> multigrid::Level for Level<'_, D> {
@@ -178,13 +182,11 @@ impl<const D: usize> multigrid::Level for Level<'_, D> {
     }
 
     fn invert_locally(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
-        match &self.local {
-            Local::Diagonal(inverse) => {
-                z.copy_from_slice(r);
-                update(workers, z, inverse, |d, r| d * r);
-            }
-            Local::Blocks(blocks) => blocks.apply(workers, r, z),
-        }
+        self.blocks.apply(workers, r, z);
+    }
+
+    fn largest(&self) -> f64 {
+        self.blocks.largest()
     }
 
     fn restrict(&mut self, workers: &Workers, fine: &[f64], coarse: &mut [f64]) {
@@ -210,17 +212,16 @@ pub(super) fn multigrid<'a, const D: usize>(
     let mut next = finest.coarser(data, halved)?;
     let n = finest.view.grid().n_control();
     let mut shape = finest.smoothness.shape();
-    let (mut local, mut form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
-        let t=std::time::Instant::now();
+    let (mut blocks, mut form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
         let matrix = finest.assemble_all(data, workers)?;
-        {eprintln!("assembled {:?}", t.elapsed());let l=finest.local(data, Some(&matrix), workers)?;eprintln!("blocks {:?}", t.elapsed()); (l, Form::Entries(matrix))}
+        (finest.blocks(data, Some(&matrix), workers)?, Form::Entries(matrix))
     } else {
-        (finest.local(data, None, workers)?, Form::Finest(finest))
+        (finest.blocks(data, None, workers)?, Form::Finest(finest))
     };
     loop {
         let to_coarser = TwoScale::new(shape, in_space(halved))?;
-        let mut level = Level { data, form, local, to_coarser, len: shape.iter().product() };
-        let smoother = Smoother::new(&mut level, workers)?;
+        let level = Level { data, form, blocks, to_coarser, len: shape.iter().product() };
+        let smoother = Smoother::new(&level)?;
         levels.push((level, smoother));
         halved = next.halved();
         if halved == [false; D] {
@@ -231,11 +232,11 @@ pub(super) fn multigrid<'a, const D: usize>(
         let coarser = next.coarser(data, halved)?;
         shape = next.smoothness.shape();
         let n = next.view.grid().n_control();
-        (local, form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
+        (blocks, form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
             let matrix = next.assemble_all(data, workers)?;
-            (next.local(data, Some(&matrix), workers)?, Form::Entries(matrix))
+            (next.blocks(data, Some(&matrix), workers)?, Form::Entries(matrix))
         } else {
-            (next.local(data, None, workers)?, Form::Terms(next))
+            (next.blocks(data, None, workers)?, Form::Terms(next))
         };
         next = coarser;
     }

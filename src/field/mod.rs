@@ -56,6 +56,7 @@ pub mod smoothness;
 mod system;
 
 use crate::spline::Grid;
+use crate::spline::axis::Cells;
 use crate::{Error, Result};
 pub use beyond::Beyond;
 pub use eval::Outputs;
@@ -71,8 +72,8 @@ pub use report::FitReport;
 pub struct Field<const D: usize = 3> {
     /// In the caller's units.
     grid: Grid<D>,
-    /// 1 / cell edge of each axis.
-    per_cell: [f64; D],
+    /// The same, as evaluations take it.
+    cells: Cells<D>,
     /// Row-major, the last axis contiguous, in the caller's unit of length.
     coefficients: Vec<f64>,
     feasible: Feasible,
@@ -84,9 +85,9 @@ pub struct Field<const D: usize = 3> {
 
 impl<const D: usize> Field<D> {
     fn new(grid: Grid<D>, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
-        let per_cell = grid.axes.map(|a| 1.0 / a.cell);
+        let cells = Cells::of(&grid);
         let beyond = Beyond::default();
-        let mut field = Field { grid, per_cell, coefficients, feasible, beyond, diagonal, report };
+        let mut field = Field { grid, cells, coefficients, feasible, beyond, diagonal, report };
         field.beyond = field.look_at_faces();
         field
     }

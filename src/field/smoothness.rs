@@ -13,7 +13,6 @@ use crate::Result;
 use crate::error::try_vec;
 use crate::par::Workers;
 use crate::spline::Grid;
-use crate::spline::assembled::Assembled;
 use crate::spline::gram::{Band, Gram, HALF_BAND, columns};
 use crate::spline::two_scale::coarser_gram;
 
@@ -54,12 +53,12 @@ impl Smoothness {
         self.shape
     }
 
-    /// Adds the operator's matrix.
-    pub fn add_to(&self, workers: &Workers, matrix: &mut Assembled) {
+    /// The operator as a sum of tensor products of bands along x, y, z.
+    pub fn products(&self) -> Vec<(f64, [&Band; 3])> {
         let [a, b, c] = [0, 1, 2].map(|axis| &self.gram[axis].order);
-        matrix.add_bands(workers, self.factor, &[[&a[2], &b[0], &c[0]], [&a[0], &b[2], &c[0]], [&a[0], &b[0], &c[2]]]);
+        let pure = [[&a[2], &b[0], &c[0]], [&a[0], &b[2], &c[0]], [&a[0], &b[0], &c[2]]];
         let mixed = [[&a[1], &b[1], &c[0]], [&a[1], &b[0], &c[1]], [&a[0], &b[1], &c[1]]];
-        matrix.add_bands(workers, 2.0 * self.factor, &mixed);
+        pure.into_iter().map(|p| (self.factor, p)).chain(mixed.into_iter().map(|p| (2.0 * self.factor, p))).collect()
     }
 
     /// Multiplies the weight by `factor`.

@@ -122,15 +122,15 @@ impl Assembled {
         }
     }
 
-    /// Adds factor * sum of the tensor products of bands along x, y, z.
-    pub fn add_bands(&mut self, workers: &Workers, factor: f64, terms: &[[&Band; 3]]) {
+    /// Adds a sum of tensor products of bands along x, y, z, each with its factor.
+    pub fn add_bands(&mut self, workers: &Workers, terms: &[(f64, [&Band; 3])]) {
         let (nz, along_x, first) = (with_rim(self.shape[2]), self.along_x(), self.planes.start);
         let (line, plane) = (self.line(), self.plane());
         workers.for_each(self.entries.chunks_mut(plane).enumerate(), |(i, rows)| {
             for (j, row) in rows.chunks_mut(line).enumerate() {
                 for (star, sums) in row.chunks_mut(WIDTH * nz).enumerate() {
                     let (dx, dy) = if along_x == 1 { (0, star) } else { (star / WIDTH, star % WIDTH) };
-                    for [a, b, c] in terms {
+                    for (factor, [a, b, c]) in terms {
                         let ab = factor * a[first + i][HALF_BAND + dx] * b[j][HALF_BAND + dy];
                         for (d, sums) in sums.chunks_mut(nz).enumerate() {
                             sums.iter_mut().zip(c.iter()).for_each(|(s, c)| *s += ab * c[HALF_BAND + d]);
@@ -340,7 +340,7 @@ mod tests {
             let term = if cells[0] == 0 { term } else { [&gram[0].order[2], term[1], term[2]] };
             let assemble = |planes: Range<usize>| {
                 let mut a = Assembled::new(shape, planes).unwrap();
-                a.add_bands(&workers, 0.3, &[term]);
+                a.add_bands(&workers, &[(0.3, term)]);
                 a.add_layers(&workers, |layer, sums| {
                     for (cell, f) in points.iter().filter(|(cell, _)| cell[0] == layer) {
                         let axes = f.map(|[v, s]| AxisProducts { value: products(&v), slope: products(&s) });

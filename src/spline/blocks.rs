@@ -3,12 +3,15 @@
 //!
 //! Where data are stiff beside smoothness, combinations of neighbours that the data hardly see have far less energy than any one control
 //! point. The diagonal takes them for stiff, and no coarse grid can express them; a block of 4^D control points, every second one along each
-//! axis, has them whole. Control points in no block have the diagonal.
+//! axis, has them whole.
 //!
-//! Blocks are factored and solved eight side by side, one a lane, so that every instruction serves all. Factors are kept in single precision:
-//! rounding leaves them positive, and their square is near the operator's wherever its condition is below 1e12.
+//! Blocks with stiff control points have factors of their own, and are factored and solved eight side by side, one a lane, so that every
+//! instruction serves all. The others hold what is the same everywhere, and share a factor with all blocks that lie likewise towards the
+//! ends of the axes. Factors are kept in single precision: rounding leaves them positive, and their square is near the operator's wherever
+//! its condition is below 1e12.
 
 use super::assembled::Assembled;
+use super::gram::{Band, HALF_BAND};
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::isa::{Isa, Kernel, dispatch};
@@ -36,8 +39,9 @@ pub struct Blocks {
     slabs: Vec<Slab>,
     /// 1 / sqrt(diagonal) [n]
     scale: Vec<f64>,
-    /// Whether each control point is in no block [n]
-    alone: Vec<bool>,
+    shared: Vec<SharedFactor>,
+    /// Blocks that meet a cell, at most.
+    overlap: f64,
 }
 
 /// The blocks that begin at one plane.
@@ -50,30 +54,62 @@ struct Slab {
 struct Batch {
     /// First control point of each; as many as there are.
     firsts: Vec<usize>,
-    /// L of the blocks with a diagonal of 1, rows of the lower triangle, with the reciprocals of its diagonal.
-    factor: Vec<[f32; LANES]>,
+    factor: BatchFactor,
 }
+
+/// L of the blocks with a diagonal of 1: rows of the lower triangle, with the reciprocals of its diagonal.
+enum BatchFactor {
+    Own(Vec<[f32; LANES]>),
+    /// Index of the one that they share.
+    Shared(usize),
+}
+
+/// The factor of blocks that lie alike.
+struct SharedFactor {
+    class: Class,
+    rows: Vec<f32>,
+    /// 1 / sqrt(diagonal) of the block.
+    scale: Vec<f64>,
+}
+
+/// How a block lies: control points from its first to either end of each axis, as far as ends are felt, and which of the operators it has.
+type Class = ([[usize; 2]; 3], usize);
 
 /// Where blocks begin along an axis of `n` control points.
 fn starts(n: usize) -> Vec<usize> {
     match n {
         1 => vec![0],
-        _ => (0..n - EDGE).step_by(STEP).chain([n - EDGE]).collect(),
+        // The last step may be one longer, rather than a cell meet more blocks.
+        _ => (0..(n + 1).saturating_sub(EDGE + STEP)).step_by(STEP).chain([n - EDGE]).collect(),
     }
 }
 
-impl Blocks {
-    /// Bytes of the blocks, where all are taken, on a tensor of `shape`.
-    pub fn bytes(shape: [u128; 3]) -> u128 {
-        let n = if shape[0] == 1 { 16 } else { 64 };
-        shape.iter().map(|n| n.div_ceil(2)).product::<u128>() * (n * (n + 1) / 2 * 4)
-    }
+/// Blocks along an axis of `n` control points that meet a cell, at most.
+fn overlap(n: usize) -> usize {
+    let starts = starts(n);
+    (0..n).map(|cell| starts.iter().filter(|s| **s < cell + EDGE && cell < **s + EDGE).count()).max().unwrap_or(1)
+}
 
+/// A sum of tensor products of bands along x, y, z: what an operator is away from stiff control points.
+pub type Products<'a> = Vec<(f64, [&'a Band; 3])>;
+
+/// Which blocks have factors of their own, and what the others are.
+pub struct Kinds<'a> {
+    /// Control points of which the blocks have factors of their own [n].
+    pub own: &'a [bool],
+    /// Control points of which the other blocks have the second of the operators [n].
+    pub second: &'a [bool],
+    /// The operators of the other blocks.
+    pub operators: [Products<'a>; 2],
+}
+
+impl Blocks {
     /// No block, on a tensor of `shape`, of an operator with the `diagonal`.
     pub fn new(shape: [usize; 3], diagonal: &[f64]) -> Result<Self> {
         let mut scale = try_vec(diagonal.len(), 0.0, "the smoother")?;
         scale.iter_mut().zip(diagonal).for_each(|(s, d)| *s = 1.0 / d.sqrt());
-        Ok(Blocks { shape, slabs: Vec::new(), scale, alone: try_vec(diagonal.len(), true, "the smoother")? })
+        let overlap = shape.iter().map(|n| overlap(*n) as f64).product();
+        Ok(Blocks { shape, slabs: Vec::new(), scale, shared: Vec::new(), overlap })
     }
 
     /// Planes of the operator to hand to [`Blocks::add`], one range after the other, where not all are at hand.
@@ -82,21 +118,82 @@ impl Blocks {
         starts.chunks(SLABS).map(|chunk| chunk[0]..chunk[chunk.len() - 1] + shape[0].min(EDGE)).collect()
     }
 
-    /// Adds the blocks within the planes of `matrix` that hold a `stiff` control point.
-    pub fn add(&mut self, matrix: &Assembled, stiff: &[bool], workers: &Workers) -> Result<()> {
+    /// An upper bound of the eigenvalues of (the inverse) A: each cell's energy counts in as many blocks as meet the cell.
+    pub fn largest(&self) -> f64 {
+        self.overlap
+    }
+
+    /// Adds the blocks within the planes of `matrix` that are not there yet.
+    pub fn add(&mut self, matrix: &Assembled, kinds: &Kinds, workers: &Workers) -> Result<()> {
         let planes = matrix.planes();
+        let done = self.slabs.last().map_or(0, |slab| slab.plane + 1);
         for plane in starts(self.shape[0]) {
-            if plane < planes.start || plane + self.layers() > planes.end {
+            if plane < done.max(planes.start) || plane + self.layers() > planes.end {
                 continue;
             }
-            let firsts = self.chosen(plane, stiff);
-            let factor = |b: usize| self.factor(matrix, &firsts[b * LANES..(b * LANES + LANES).min(firsts.len())]);
-            let batches = workers.map(firsts.len().div_ceil(LANES), factor).into_iter().collect::<Result<_>>()?;
+            let (own, others): (Vec<usize>, Vec<usize>) = self.firsts(plane).partition(|f| self.members(*f).any(|p| kinds.own[p]));
+            let factor = |b: usize| self.factor(matrix, &own[b * LANES..(b * LANES + LANES).min(own.len())]);
+            let mut batches = workers.map(own.len().div_ceil(LANES), factor).into_iter().collect::<Result<Vec<_>>>()?;
+            self.share(&others, kinds, &mut batches)?;
             self.slabs.push(Slab { plane, batches });
-            self.cover(&firsts);
         }
-        if std::env::var("TELL").is_ok() { eprintln!("blocks {} of {}", self.slabs.iter().map(|s| s.batches.iter().map(|b| b.firsts.len()).sum::<usize>()).sum::<usize>(), self.shape.iter().map(|n| n / 2).product::<usize>()); }
         Ok(())
+    }
+
+    /// Adds the batches of the blocks that begin at `firsts` and share factors.
+    fn share(&mut self, firsts: &[usize], kinds: &Kinds, batches: &mut Vec<Batch>) -> Result<()> {
+        let mut open: Vec<(usize, Vec<usize>)> = Vec::new();
+        for first in firsts {
+            let index = self.shared_by(*first, kinds)?;
+            let place = open.iter().position(|(i, _)| *i == index).unwrap_or_else(|| {
+                open.push((index, Vec::new()));
+                open.len() - 1
+            });
+            open[place].1.push(*first);
+        }
+        for (index, firsts) in open {
+            for firsts in firsts.chunks(LANES) {
+                batches.push(Batch { firsts: firsts.to_vec(), factor: BatchFactor::Shared(index) });
+            }
+        }
+        Ok(())
+    }
+
+    /// The index of the factor that the block that begins at `first` shares, made where it is the first.
+    fn shared_by(&mut self, first: usize, kinds: &Kinds) -> Result<usize> {
+        // A function feels an end that its support reaches.
+        const FELT: usize = 3;
+        let start = self.place(first);
+        let which = usize::from(self.members(first).any(|p| kinds.second[p]));
+        let ends = |a: usize| match self.shape[a] {
+            1 => [0, 0],
+            n => [start[a].min(FELT), (n - EDGE - start[a]).min(FELT)],
+        };
+        let class = ([ends(0), ends(1), ends(2)], which);
+        if let Some(index) = self.shared.iter().position(|s| s.class == class) {
+            return Ok(index);
+        }
+        let n = self.layers() * EDGE * EDGE;
+        let mut rows = try_vec(n * (n + 1) / 2, [0.0; LANES], "the smoother")?;
+        let local = |m: usize| [m / (EDGE * EDGE), m / EDGE % EDGE, m % EDGE];
+        let entry = |p: usize, q: usize| {
+            let (p, q) = (local(p), local(q));
+            let at = |band: &Band, a: usize| band[start[a] + p[a]][HALF_BAND + q[a] - p[a]];
+            kinds.operators[which].iter().map(|(f, [x, y, z])| f * at(x, 0) * at(y, 1) * at(z, 2)).sum::<f64>()
+        };
+        let scale: Vec<f64> = (0..n).map(|p| 1.0 / entry(p, p).sqrt()).collect();
+        for p in 0..n {
+            (0..=p).for_each(|q| rows[p * (p + 1) / 2 + q][0] = scale[p] * scale[q] * entry(p, q));
+            (1..LANES).for_each(|lane| rows[p * (p + 1) / 2 + p][lane] = 1.0);
+        }
+        dispatch(Factor { rows: &mut rows, n });
+        self.shared.push(SharedFactor { class, rows: rows.iter().map(|row| row[0] as f32).collect(), scale });
+        Ok(self.shared.len() - 1)
+    }
+
+    fn place(&self, p: usize) -> [usize; 3] {
+        let [_, ny, nz] = self.shape;
+        [p / (ny * nz), p / nz % ny, p % nz]
     }
 
     /// Control points of a block along x.
@@ -104,12 +201,11 @@ impl Blocks {
         self.shape[0].min(EDGE)
     }
 
-    /// First control points of the blocks of the slab that begins at plane `i` that hold a stiff one.
-    fn chosen(&self, i: usize, stiff: &[bool]) -> Vec<usize> {
+    /// First control points of the blocks that begin at plane `i`.
+    fn firsts(&self, i: usize) -> impl Iterator<Item = usize> + use<> {
         let [_, ny, nz] = self.shape;
-        let begin = |[j, k]: [usize; 2]| (i * ny + j) * nz + k;
-        let all = starts(ny).into_iter().flat_map(|j| starts(nz).into_iter().map(move |k| [j, k]));
-        all.map(begin).filter(|first| self.members(*first).any(|p| stiff[p])).collect()
+        let all = starts(ny).into_iter().flat_map(move |j| starts(nz).into_iter().map(move |k| [j, k]));
+        all.map(move |[j, k]| (i * ny + j) * nz + k)
     }
 
     /// Control points of the block that begins at `first`, in the order of its rows.
@@ -118,14 +214,6 @@ impl Blocks {
         let [_, ny, nz] = self.shape;
         let lines = (0..self.layers()).flat_map(move |i| (0..EDGE).map(move |j| first + (i * ny + j) * nz));
         lines.flat_map(|line| line..line + EDGE)
-    }
-
-    fn cover(&mut self, firsts: &[usize]) {
-        for first in firsts {
-            for p in self.members(*first) {
-                self.alone[p] = false;
-            }
-        }
     }
 
     /// Factors the blocks that begin at `firsts`, at most as many as there are lanes.
@@ -142,7 +230,7 @@ impl Blocks {
         dispatch(Factor { rows: &mut rows, n });
         let mut factor = try_with_capacity(rows.len(), "the smoother")?;
         factor.extend(rows.iter().map(|row| row.map(|x| x as f32)));
-        Ok(Batch { firsts: firsts.to_vec(), factor })
+        Ok(Batch { firsts: firsts.to_vec(), factor: BatchFactor::Own(factor) })
     }
 
     /// Fills one lane with the lower triangle of a block, scaled to a diagonal of 1.
@@ -171,9 +259,7 @@ impl Blocks {
 
     /// z = (the inverse) r
     pub fn apply(&self, workers: &Workers, r: &[f64], z: &mut [f64]) {
-        let boost: f64 = std::env::var("ALONE").map_or(1.0, |s| s.parse().unwrap());
-        let entries = z.iter_mut().zip(r).zip(self.scale.iter().zip(&self.alone));
-        entries.for_each(|((z, r), (s, alone))| *z = if *alone { boost * s * s * r } else { 0.0 });
+        z.fill(0.0);
         // Slabs two apart do not meet, but for the last, which may begin anywhere.
         let plane = self.shape[1] * self.shape[2];
         let last = self.shape[0].saturating_sub(EDGE);
@@ -202,20 +288,31 @@ impl Blocks {
         for batch in &slab.batches {
             let mut x = [[0.0f32; LANES]; EDGE * EDGE * EDGE];
             let x = &mut x[..self.layers() * EDGE * EDGE];
-            // Lines of four members, with where each begins.
-            let line = |first: usize, l: usize| first + (l / EDGE * ny + l % EDGE) * nz;
+            let shared = match &batch.factor {
+                BatchFactor::Own(_) => None,
+                BatchFactor::Shared(index) => Some(&self.shared[*index]),
+            };
+            // Lines of four members: where each begins, and its scale.
+            let line = |first: usize, l: usize| {
+                let p = first + (l / EDGE * ny + l % EDGE) * nz;
+                (p, shared.map_or(&self.scale[p..p + EDGE], |s| &s.scale[l * EDGE..][..EDGE]))
+            };
             for (lane, first) in batch.firsts.iter().enumerate() {
                 for (l, x) in x.chunks_exact_mut(EDGE).enumerate() {
-                    let p = line(*first, l);
-                    let (r, scale) = (&r[p..p + EDGE], &self.scale[p..p + EDGE]);
+                    let (p, scale) = line(*first, l);
+                    let r = &r[p..p + EDGE];
                     (0..EDGE).for_each(|c| x[c][lane] = (scale[c] * r[c]) as f32);
                 }
             }
-            dispatch(Solve { factor: &batch.factor, x });
+            match (&batch.factor, shared) {
+                (BatchFactor::Own(factor), _) => dispatch(Solve { factor: &factor[..], x }),
+                (_, Some(shared)) => dispatch(Solve { factor: &shared.rows[..], x }),
+                (BatchFactor::Shared(_), None) => unreachable!("a shared factor was looked up"),
+            }
             for (lane, first) in batch.firsts.iter().enumerate() {
                 for (l, x) in x.chunks_exact(EDGE).enumerate() {
-                    let p = line(*first, l);
-                    let (z, scale) = (&mut z[p - origin..][..EDGE], &self.scale[p..p + EDGE]);
+                    let (p, scale) = line(*first, l);
+                    let z = &mut z[p - origin..][..EDGE];
                     (0..EDGE).for_each(|c| z[c] += scale[c] * f64::from(x[c][lane]));
                 }
             }
@@ -254,13 +351,32 @@ impl Kernel for Factor<'_> {
     }
 }
 
+/// Entries of factors, one for all lanes or one a lane.
+trait Entry: Copy {
+    fn of_lane(self, lane: usize) -> f32;
+}
+
+impl Entry for f32 {
+    #[inline(always)]
+    fn of_lane(self, _: usize) -> f32 {
+        self
+    }
+}
+
+impl Entry for [f32; LANES] {
+    #[inline(always)]
+    fn of_lane(self, lane: usize) -> f32 {
+        self[lane]
+    }
+}
+
 /// x becomes the solution of L L^T x = x, lane by lane.
-struct Solve<'a> {
-    factor: &'a [[f32; LANES]],
+struct Solve<'a, E> {
+    factor: &'a [E],
     x: &'a mut [[f32; LANES]],
 }
 
-impl Kernel for Solve<'_> {
+impl<E: Entry> Kernel for Solve<'_, E> {
     type Output = ();
 
     #[inline(always)]
@@ -271,16 +387,18 @@ impl Kernel for Solve<'_> {
             let row = &factor[i * (i + 1) / 2..][..i + 1];
             let mut sums = [x[i], [0.0; LANES], [0.0; LANES], [0.0; LANES]];
             for (k, (a, x)) in row[..i].iter().zip(&*x).enumerate() {
-                (0..LANES).for_each(|l| sums[k % 4][l] = I::mul_add_f32(-a[l], x[l], sums[k % 4][l]));
+                let sum = &mut sums[k % 4];
+                (0..LANES).for_each(|l| sum[l] = I::mul_add_f32(-a.of_lane(l), x[l], sum[l]));
             }
-            (0..LANES).for_each(|l| x[i][l] = ((sums[0][l] + sums[1][l]) + (sums[2][l] + sums[3][l])) * row[i][l]);
+            let sum = |l: usize| (sums[0][l] + sums[1][l]) + (sums[2][l] + sums[3][l]);
+            x[i] = std::array::from_fn(|l| sum(l) * row[i].of_lane(l));
         }
         for i in (0..n).rev() {
             let row = &factor[i * (i + 1) / 2..][..i + 1];
-            (0..LANES).for_each(|l| x[i][l] *= row[i][l]);
-            let own = x[i];
+            let own: [f32; LANES] = std::array::from_fn(|l| x[i][l] * row[i].of_lane(l));
+            x[i] = own;
             for (a, x) in row[..i].iter().zip(&mut *x) {
-                (0..LANES).for_each(|l| x[l] = I::mul_add_f32(-a[l], own[l], x[l]));
+                (0..LANES).for_each(|l| x[l] = I::mul_add_f32(-a.of_lane(l), own[l], x[l]));
             }
         }
     }

@@ -52,6 +52,18 @@ impl Gram {
     }
 }
 
+/// The matrix of sums over some places along an axis of `n_control` control points: sum of w w^T, w the weights of the four functions from
+/// `cell` on.
+pub fn band_of_places(n_control: usize, places: impl Iterator<Item = (usize, [f64; 4])>) -> Result<Band> {
+    let mut band = try_vec(n_control, [0.0; 2 * HALF_BAND + 1], "the Gram matrices")?;
+    for (cell, w) in places {
+        for p in 0..4 {
+            (0..4).for_each(|q| band[cell + p][q + HALF_BAND - p] += w[p] * w[q]);
+        }
+    }
+    Ok(band)
+}
+
 /// Gauss-Legendre points and weights on [0, 1]: exact to degree 7, one more than products of cubics have.
 const GAUSS: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),

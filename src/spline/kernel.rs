@@ -7,7 +7,9 @@
 // Index loops of fixed length are what the compiler unrolls into vectors, and read like the sums.
 #![allow(clippy::needless_range_loop)]
 
-use super::basis::{Weights, second};
+use super::basis::{Weights, second_with};
+use super::rows::Rows;
+use crate::isa::{Isa, prefetch};
 
 /// Where the 4^D control points of a cell lie in the tensor.
 #[derive(Debug, Clone, Copy)]
@@ -20,16 +22,15 @@ pub struct Stencil<const D: usize> {
 
 type Row = [f64; 4];
 
-#[inline]
-fn axpy(s: f64, x: &Row, y: &mut Row) {
-    for k in 0..4 {
-        y[k] += s * x[k];
-    }
+/// y += s x
+#[inline(always)]
+fn axpy<I: Isa>(s: f64, x: I::Four, y: &mut I::Four) {
+    *y = I::mul_add_4(I::splat(s), x, *y);
 }
 
-#[inline]
-fn dot(x: &Row, y: &Row) -> f64 {
-    (x[0] * y[0] + x[1] * y[1]) + (x[2] * y[2] + x[3] * y[3])
+#[inline(always)]
+fn dot<I: Isa>(x: I::Four, y: I::Four) -> f64 {
+    I::sum(I::mul_4(x, y))
 }
 
 /// Symmetric matrix of second derivatives.
@@ -45,7 +46,7 @@ struct Layers {
 }
 
 impl Layers {
-    #[inline]
+    #[inline(always)]
     fn of<const D: usize>(b: &[Weights; D]) -> Self {
         let one = Weights { w: [1.0, 0.0, 0.0, 0.0], dw: [0.0; 4] };
         let (n, x) = if D == 3 { (4, b[0]) } else { (1, one) };
@@ -54,98 +55,112 @@ impl Layers {
 }
 
 /// The last D of x, y, z.
-#[inline]
+#[inline(always)]
 fn last<const D: usize>(v: [f64; 3]) -> [f64; D] {
     std::array::from_fn(|a| v[a + 3 - D])
 }
 
 impl<const D: usize> Stencil<D> {
     /// Index of the row of layer `i` along x and `j` along y.
-    #[inline]
+    #[inline(always)]
     fn start(&self, i: usize, j: usize) -> usize {
         let plane = if D == 3 { self.strides[0] } else { 0 };
         self.first + i * plane + j * self.strides[D - 2]
     }
 
-    #[inline]
-    fn row<'c>(&self, coefficients: &'c [f64], i: usize, j: usize) -> &'c Row {
-        let start = self.start(i, j);
-        coefficients[start..start + 4].try_into().expect("a slice of four")
-    }
-
     /// The same control points, in a tensor whose layers along the first axis begin at `first_layer`.
-    #[inline]
+    #[inline(always)]
     pub fn shifted(&self, first_layer: usize) -> Self {
         Stencil { first: self.first - first_layer * self.strides[0], ..*self }
     }
 
-    /// Value at local coordinates `u`.
-    #[inline]
-    pub fn value(&self, coefficients: &[f64], u: [f64; D]) -> f64 {
-        let Layers { n, x, y, z } = Layers::of(&u.map(Weights::at));
-        let mut sum = [0.0; 4];
-        for i in 0..n {
-            let mut along_y = [0.0; 4];
+    /// Asks for the control points, which are to be read soon.
+    #[inline(always)]
+    pub fn prefetch(&self, coefficients: &[f64]) {
+        let rows = Rows::of(self, coefficients);
+        for i in 0..if D == 3 { 4 } else { 1 } {
             for j in 0..4 {
-                axpy(y.w[j], self.row(coefficients, i, j), &mut along_y);
+                // Both ends: a row may lie in two lines of the cache.
+                let row = rows.get(i, j);
+                prefetch(&row[0]);
+                prefetch(&row[3]);
             }
-            axpy(x.w[i], &along_y, &mut sum);
         }
-        dot(&sum, &z.w)
+    }
+
+    /// Value at local coordinates `u`.
+    #[inline(always)]
+    pub fn value<I: Isa>(&self, coefficients: &[f64], u: [f64; D]) -> f64 {
+        let Layers { n, x, y, z } = Layers::of(&Weights::along::<I, D>(&u));
+        let (rows, zero) = (Rows::of(self, coefficients), I::splat(0.0));
+        let mut v = zero;
+        for i in 0..n {
+            let mut r = zero;
+            for j in 0..4 {
+                axpy::<I>(y.w[j], I::load(rows.get(i, j)), &mut r);
+            }
+            axpy::<I>(x.w[i], r, &mut v);
+        }
+        dot::<I>(v, I::load(&z.w))
     }
 
     /// Value and gradient under the weights `b` of the axes.
-    #[inline]
-    pub fn value_gradient(&self, coefficients: &[f64], b: &[Weights; D]) -> (f64, [f64; D]) {
+    #[inline(always)]
+    pub fn value_gradient<I: Isa>(&self, coefficients: &[f64], b: &[Weights; D]) -> (f64, [f64; D]) {
         let Layers { n, x, y, z } = Layers::of(b);
-        let (mut v, mut vx, mut vy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+        let (rows, zero) = (Rows::of(self, coefficients), I::splat(0.0));
+        let [mut v, mut vx, mut vy] = [zero; 3];
         for i in 0..n {
-            let (mut r, mut ry) = ([0.0; 4], [0.0; 4]);
+            let [mut r, mut ry] = [zero; 2];
             for j in 0..4 {
-                let row = self.row(coefficients, i, j);
-                axpy(y.w[j], row, &mut r);
-                axpy(y.dw[j], row, &mut ry);
+                let row = I::load(rows.get(i, j));
+                axpy::<I>(y.w[j], row, &mut r);
+                axpy::<I>(y.dw[j], row, &mut ry);
             }
-            axpy(x.w[i], &r, &mut v);
-            axpy(x.dw[i], &r, &mut vx);
-            axpy(x.w[i], &ry, &mut vy);
+            axpy::<I>(x.w[i], r, &mut v);
+            axpy::<I>(x.dw[i], r, &mut vx);
+            axpy::<I>(x.w[i], ry, &mut vy);
         }
-        (dot(&v, &z.w), last([dot(&vx, &z.w), dot(&vy, &z.w), dot(&v, &z.dw)]))
+        let (w, dw) = (I::load(&z.w), I::load(&z.dw));
+        (dot::<I>(v, w), last([dot::<I>(vx, w), dot::<I>(vy, w), dot::<I>(v, dw)]))
     }
 
     /// Value, gradient and Hessian at local coordinates `u`.
-    #[inline]
-    pub fn value_gradient_hessian(&self, coefficients: &[f64], u: [f64; D]) -> (f64, [f64; D], Hessian<D>) {
-        let Layers { n, x, y, z } = Layers::of(&u.map(Weights::at));
-        let [ddx, ddy, ddz] = std::array::from_fn(|a| second(if a + D >= 3 { u[a + D - 3] } else { 0.0 }));
-        let (mut v, mut vx, mut vy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-        let (mut vxx, mut vxy, mut vyy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+    #[inline(always)]
+    pub fn value_gradient_hessian<I: Isa>(&self, coefficients: &[f64], u: [f64; D]) -> (f64, [f64; D], Hessian<D>) {
+        let Layers { n, x, y, z } = Layers::of(&Weights::along::<I, D>(&u));
+        let ddx = if D == 3 { second_with::<I>(u[0]) } else { [0.0; 4] };
+        let (ddy, ddz) = (second_with::<I>(u[D - 2]), second_with::<I>(u[D - 1]));
+        let (rows, zero) = (Rows::of(self, coefficients), I::splat(0.0));
+        let [mut v, mut vx, mut vy, mut vxx, mut vxy, mut vyy] = [zero; 6];
         for i in 0..n {
-            let (mut r, mut ry, mut ryy) = ([0.0; 4], [0.0; 4], [0.0; 4]);
+            let [mut r, mut ry, mut ryy] = [zero; 3];
             for j in 0..4 {
-                let row = self.row(coefficients, i, j);
-                axpy(y.w[j], row, &mut r);
-                axpy(y.dw[j], row, &mut ry);
-                axpy(ddy[j], row, &mut ryy);
+                let row = I::load(rows.get(i, j));
+                axpy::<I>(y.w[j], row, &mut r);
+                axpy::<I>(y.dw[j], row, &mut ry);
+                axpy::<I>(ddy[j], row, &mut ryy);
             }
-            axpy(x.w[i], &r, &mut v);
-            axpy(x.dw[i], &r, &mut vx);
-            axpy(ddx[i], &r, &mut vxx);
-            axpy(x.w[i], &ry, &mut vy);
-            axpy(x.dw[i], &ry, &mut vxy);
-            axpy(x.w[i], &ryy, &mut vyy);
+            axpy::<I>(x.w[i], r, &mut v);
+            axpy::<I>(x.dw[i], r, &mut vx);
+            axpy::<I>(ddx[i], r, &mut vxx);
+            axpy::<I>(x.w[i], ry, &mut vy);
+            axpy::<I>(x.dw[i], ry, &mut vxy);
+            axpy::<I>(x.w[i], ryy, &mut vyy);
         }
-        let gradient = last([dot(&vx, &z.w), dot(&vy, &z.w), dot(&v, &z.dw)]);
-        let (xx, xy, xz) = (dot(&vxx, &z.w), dot(&vxy, &z.w), dot(&vx, &z.dw));
-        let (yy, yz, zz) = (dot(&vyy, &z.w), dot(&vy, &z.dw), dot(&v, &ddz));
+        let (w, dw, ddw) = (I::load(&z.w), I::load(&z.dw), I::load(&ddz));
+        let gradient = last([dot::<I>(vx, w), dot::<I>(vy, w), dot::<I>(v, dw)]);
+        let (xx, xy, xz) = (dot::<I>(vxx, w), dot::<I>(vxy, w), dot::<I>(vx, dw));
+        let (yy, yz, zz) = (dot::<I>(vyy, w), dot::<I>(vy, dw), dot::<I>(v, ddw));
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(last);
-        (dot(&v, &z.w), gradient, std::array::from_fn(|a| rows[a + 3 - D]))
+        (dot::<I>(v, w), gradient, std::array::from_fn(|a| rows[a + 3 - D]))
     }
 
     /// Transpose of [`Stencil::value_gradient`]: coefficients += value' * B + gradient' . grad B.
-    #[inline]
-    pub fn scatter(&self, coefficients: &mut [f64], b: &[Weights; D], value: f64, gradient: [f64; D]) {
+    #[inline(always)]
+    pub fn scatter<I: Isa>(&self, coefficients: &mut [f64], b: &[Weights; D], value: f64, gradient: [f64; D]) {
         let Layers { n, x, y, z } = Layers::of(b);
+        let (w, dw) = (I::load(&z.w), I::load(&z.dw));
         let (gx, gy, gz) = (if D == 3 { gradient[0] } else { 0.0 }, gradient[D - 2], gradient[D - 1]);
         for i in 0..n {
             let along_w = x.w[i] * value + x.dw[i] * gx;
@@ -153,8 +168,10 @@ impl<const D: usize> Stencil<D> {
             for j in 0..4 {
                 let start = self.start(i, j);
                 let row: &mut Row = (&mut coefficients[start..start + 4]).try_into().expect("a slice of four");
-                axpy(y.w[j] * along_w + y.dw[j] * along_dy, &z.w, row);
-                axpy(y.w[j] * along_dz, &z.dw, row);
+                let mut sum = I::load(row);
+                axpy::<I>(y.w[j] * along_w + y.dw[j] * along_dy, w, &mut sum);
+                axpy::<I>(y.w[j] * along_dz, dw, &mut sum);
+                I::store(sum, row);
             }
         }
     }
@@ -164,6 +181,7 @@ impl<const D: usize> Stencil<D> {
 mod tests {
     use super::*;
     use crate::geometry::random::SplitMix64;
+    use crate::isa::Portable;
 
     #[test]
     fn scatter_is_the_transpose_of_value_and_gradient() {
@@ -172,10 +190,10 @@ mod tests {
         for _ in 0..20 {
             let c: Vec<f64> = (0..200).map(|_| random.between(-1.0, 1.0)).collect();
             let b: [Weights; 3] = std::array::from_fn(|_| Weights::at(random.unit()));
-            let (value, gradient) = stencil.value_gradient(&c, &b);
+            let (value, gradient) = stencil.value_gradient::<Portable>(&c, &b);
             let (v, g): (f64, [f64; 3]) = (random.unit(), std::array::from_fn(|_| random.unit()));
             let mut back = vec![0.0; c.len()];
-            stencil.scatter(&mut back, &b, v, g);
+            stencil.scatter::<Portable>(&mut back, &b, v, g);
             let there = v * value + (0..3).map(|a| g[a] * gradient[a]).sum::<f64>();
             let back: f64 = back.iter().zip(&c).map(|(x, y)| x * y).sum();
             assert!((there - back).abs() < 1e-13, "{there} {back}");
@@ -189,10 +207,10 @@ mod tests {
         for _ in 0..20 {
             let c: Vec<f64> = (0..64).map(|_| random.between(-1.0, 1.0)).collect();
             let u: [f64; 3] = std::array::from_fn(|_| random.unit());
-            let (value, gradient) = stencil.value_gradient(&c, &u.map(Weights::at));
-            let (value_h, gradient_h, _) = stencil.value_gradient_hessian(&c, u);
+            let (value, gradient) = stencil.value_gradient::<Portable>(&c, &u.map(Weights::at));
+            let (value_h, gradient_h, _) = stencil.value_gradient_hessian::<Portable>(&c, u);
             assert_eq!((value, gradient), (value_h, gradient_h));
-            assert!((stencil.value(&c, u) - value).abs() < 1e-15);
+            assert!((stencil.value::<Portable>(&c, u) - value).abs() < 1e-15);
         }
     }
 
@@ -206,17 +224,17 @@ mod tests {
         for _ in 0..20 {
             let u: [f64; 2] = std::array::from_fn(|_| random.unit());
             let in_space = [random.unit(), u[0], u[1]];
-            let (value, g, h) = plane.value_gradient_hessian(&c, u);
-            let (value_3, g_3, h_3) = space.value_gradient_hessian(&layers, in_space);
-            assert!((value - value_3).abs() < 1e-14 && (plane.value(&c, u) - value).abs() < 1e-15);
+            let (value, g, h) = plane.value_gradient_hessian::<Portable>(&c, u);
+            let (value_3, g_3, h_3) = space.value_gradient_hessian::<Portable>(&layers, in_space);
+            assert!((value - value_3).abs() < 1e-14 && (plane.value::<Portable>(&c, u) - value).abs() < 1e-15);
             for a in 0..2 {
                 assert!((g[a] - g_3[a + 1]).abs() < 1e-14);
                 (0..2).for_each(|b| assert!((h[a][b] - h_3[a + 1][b + 1]).abs() < 1e-13));
             }
             let b = u.map(Weights::at);
-            assert_eq!(plane.value_gradient(&c, &b), (value, g));
+            assert_eq!(plane.value_gradient::<Portable>(&c, &b), (value, g));
             let (mut back, gradient) = (vec![0.0; 16], [0.3, -0.7]);
-            plane.scatter(&mut back, &b, 0.4, gradient);
+            plane.scatter::<Portable>(&mut back, &b, 0.4, gradient);
             let there = 0.4 * value + gradient[0] * g[0] + gradient[1] * g[1];
             assert!((there - back.iter().zip(&c).map(|(x, y)| x * y).sum::<f64>()).abs() < 1e-14);
         }

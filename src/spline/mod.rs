@@ -12,20 +12,22 @@
 //! | paper 000 | here |
 //! |---|---|
 //! | (4), de Boor's recursion, on uniform knots | [`basis::Weights`], its closed form |
-//! | (5), the sum over control points | [`kernel`] |
+//! | (5), the sum over control points | [`kernel`]; with the Hessian, [`jet`] |
 //! | the integrals of (7) along one axis | [`gram::Gram`] |
 //!
 //! Tensors of control points are row-major, the last axis contiguous.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod assembled;
 pub mod axis;
-pub mod blocks;
 pub mod basis;
+pub mod blocks;
 pub mod centers;
 pub mod gram;
+pub mod jet;
 pub mod kernel;
+pub mod rows;
 pub mod two_scale;
 
 pub use axis::{Axis, Grid};

@@ -182,7 +182,7 @@ mod tests {
                 let x: [f64; 3] = std::array::from_fn(|a| random.between(0.0, n_cells[a] as f64));
                 let half = std::array::from_fn(|a| if halved[a] { 0.5 * x[a] } else { x[a] });
                 let ((sf, uf), (sc, uc)) = (fine.stencil(x), coarse.stencil(half));
-                assert!((sf.value(&f, uf) - sc.value(&c, uc)).abs() < 1e-14, "{n_cells:?} at {x:?}");
+                assert!((sf.value::<crate::isa::Portable>(&f, uf) - sc.value::<crate::isa::Portable>(&c, uc)).abs() < 1e-14, "{n_cells:?} at {x:?}");
             }
         }
     }
