@@ -127,8 +127,8 @@ fn no_threads(n: usize) -> Error {
     Error::OutOfMemory { what: format!("the stacks of {n} threads"), bytes: n as u128 * STACK as u128, limit: None }
 }
 
-/// Runs `work` on every item once, in any order, on `n_threads` threads as [`Workers::new`] takes them, the caller's one of them: for work of
-/// less than milliseconds, which a pool would begin later. No more threads are started than there are items left.
+/// Runs `work` on every item once, in any order, on `n_threads` threads as [`Workers::new`] takes them, the caller's one of them: for work
+/// of milliseconds, which a pool would begin later. No more threads are started than there are items left.
 pub fn share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) + Sync) -> Result<()> {
     Workers::check(n_threads)?;
     let n_threads = count(n_threads).min(items.len());

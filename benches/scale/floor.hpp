@@ -16,8 +16,8 @@ struct FloorField {
 // Whether this program has the kernel and this machine the instructions that it is made of.
 bool has_floor();
 
-// Values [n], gradients [3 * n] and Hessians [6 * n] at `points` [3 * n]; the last two or the last may be NULL. Returns the number of points
-// that are good before the first that is not finite or beyond 1e150. Beyond the box the nearest cell's polynomial goes on.
+// Values [n], gradients [3 * n] and Hessians [6 * n] at `points` [3 * n]; the last two or the last may be NULL. Returns n, or less where
+// a point is not finite or beyond 1e150. Outside the box it gives what the box's nearest point has.
 std::size_t floor_eval(const FloorField &field, const double *points, std::size_t n, double *values, double *gradients,
                        double *hessians);
 
