@@ -15,9 +15,6 @@ pub trait Isa: Copy + Send + Sync {
     /// a b + c, rounded once or twice.
     fn mul_add(a: f64, b: f64, c: f64) -> f64;
 
-    /// a b + c in single precision.
-    fn mul_add_f32(a: f32, b: f32, c: f32) -> f32;
-
     /// The whole part of a number that is at least 0 and below 2^63, in both types.
     fn whole(x: f64) -> (usize, f64);
 
@@ -47,6 +44,27 @@ pub trait Isa: Copy + Send + Sync {
 
     /// Rows become columns.
     fn transposed(x: [Self::Four; 4]) -> [Self::Four; 4];
+
+    /// Eight numbers of single precision that are reckoned with at once.
+    type Eight: Copy;
+
+    /// Eight numbers from memory.
+    fn load_8(row: &[f32; 8]) -> Self::Eight;
+
+    /// Eight numbers to memory.
+    fn store_8(x: Self::Eight, row: &mut [f32; 8]);
+
+    /// One number eight times.
+    fn splat_8(x: f32) -> Self::Eight;
+
+    /// a + b
+    fn add_8(a: Self::Eight, b: Self::Eight) -> Self::Eight;
+
+    /// a b
+    fn mul_8(a: Self::Eight, b: Self::Eight) -> Self::Eight;
+
+    /// c - a b, rounded once or twice.
+    fn mul_sub_8(a: Self::Eight, b: Self::Eight, c: Self::Eight) -> Self::Eight;
 }
 
 /// What every target has.
@@ -60,11 +78,6 @@ impl Isa for Portable {
 
     #[inline(always)]
     fn mul_add(a: f64, b: f64, c: f64) -> f64 {
-        a * b + c
-    }
-
-    #[inline(always)]
-    fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
         a * b + c
     }
 
@@ -117,6 +130,38 @@ impl Isa for Portable {
     fn transposed(x: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
         std::array::from_fn(|i| std::array::from_fn(|j| x[j][i]))
     }
+
+    type Eight = [f32; 8];
+
+    #[inline(always)]
+    fn load_8(row: &[f32; 8]) -> [f32; 8] {
+        *row
+    }
+
+    #[inline(always)]
+    fn store_8(x: [f32; 8], row: &mut [f32; 8]) {
+        *row = x;
+    }
+
+    #[inline(always)]
+    fn splat_8(x: f32) -> [f32; 8] {
+        [x; 8]
+    }
+
+    #[inline(always)]
+    fn add_8(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[k] + b[k])
+    }
+
+    #[inline(always)]
+    fn mul_8(a: [f32; 8], b: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| a[k] * b[k])
+    }
+
+    #[inline(always)]
+    fn mul_sub_8(a: [f32; 8], b: [f32; 8], c: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|k| c[k] - a[k] * b[k])
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -136,11 +181,6 @@ mod avx2 {
 
         #[inline(always)]
         fn mul_add(a: f64, b: f64, c: f64) -> f64 {
-            a.mul_add(b, c)
-        }
-
-        #[inline(always)]
-        fn mul_add_f32(a: f32, b: f32, c: f32) -> f32 {
             a.mul_add(b, c)
         }
 
@@ -215,6 +255,44 @@ mod avx2 {
                     _mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd),
                 ]
             }
+        }
+
+        type Eight = __m256;
+
+        #[inline(always)]
+        fn load_8(row: &[f32; 8]) -> __m256 {
+            // SAFETY: see `Avx2`; the row has eight numbers.
+            unsafe { _mm256_loadu_ps(row.as_ptr()) }
+        }
+
+        #[inline(always)]
+        fn store_8(x: __m256, row: &mut [f32; 8]) {
+            // SAFETY: see `Avx2`; the row has room for eight numbers.
+            unsafe { _mm256_storeu_ps(row.as_mut_ptr(), x) }
+        }
+
+        #[inline(always)]
+        fn splat_8(x: f32) -> __m256 {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_set1_ps(x) }
+        }
+
+        #[inline(always)]
+        fn add_8(a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_add_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul_8(a: __m256, b: __m256) -> __m256 {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_mul_ps(a, b) }
+        }
+
+        #[inline(always)]
+        fn mul_sub_8(a: __m256, b: __m256, c: __m256) -> __m256 {
+            // SAFETY: see `Avx2`.
+            unsafe { _mm256_fnmadd_ps(a, b, c) }
         }
     }
 }

@@ -139,6 +139,7 @@ impl<const D: usize> Terms<D> {
                 }
             }
         }
+        if std::env::var("TELL").is_ok() { blocks.tell(); }
         Ok(blocks)
     }
 
@@ -185,10 +186,6 @@ impl<const D: usize> multigrid::Level for Level<'_, D> {
         self.blocks.apply(workers, r, z);
     }
 
-    fn largest(&self) -> f64 {
-        self.blocks.largest()
-    }
-
     fn restrict(&mut self, workers: &Workers, fine: &[f64], coarse: &mut [f64]) {
         self.to_coarser.restrict(workers, fine, coarse);
     }
@@ -220,8 +217,8 @@ pub(super) fn multigrid<'a, const D: usize>(
     };
     loop {
         let to_coarser = TwoScale::new(shape, in_space(halved))?;
-        let level = Level { data, form, blocks, to_coarser, len: shape.iter().product() };
-        let smoother = Smoother::new(&level)?;
+        let mut level = Level { data, form, blocks, to_coarser, len: shape.iter().product() };
+        let smoother = Smoother::new(&mut level, workers)?;
         levels.push((level, smoother));
         halved = next.halved();
         if halved == [false; D] {

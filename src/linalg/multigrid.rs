@@ -7,7 +7,7 @@
 //! polynomials of their degree without it.
 
 use super::dense::Cholesky;
-use super::vector::update;
+use super::vector::{dot, update};
 use crate::Result;
 use crate::error::try_vec;
 use crate::par::Workers;
@@ -23,9 +23,6 @@ pub trait Level {
     /// z = B r, both `[n]`: B symmetric positive definite.
     fn invert_locally(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]);
 
-    /// lambda, or a bound not far above.
-    fn largest(&self) -> f64;
-
     /// coarse = P^T fine
     fn restrict(&mut self, workers: &Workers, fine: &[f64], coarse: &mut [f64]);
 
@@ -35,6 +32,8 @@ pub trait Level {
 
 /// What the smoothing of a level needs.
 pub struct Smoother {
+    /// lambda, or a little more
+    largest: f64,
     /// The iterate, the residual, the step and its image, each [n].
     x: Vec<f64>,
     r: Vec<f64>,
@@ -42,14 +41,41 @@ pub struct Smoother {
     az: Vec<f64>,
 }
 
+/// What an estimate of lambda from below is multiplied with.
+const SAFETY: f64 = 1.1;
+
+/// Steps of that estimate.
+const POWER_STEPS: usize = 6;
+
 /// Degree of the polynomial.
 const DEGREE: usize = 3;
 
 impl Smoother {
     /// For `level`.
-    pub fn new(level: &impl Level) -> Result<Self> {
+    pub fn new(level: &mut impl Level, workers: &Workers) -> Result<Self> {
         let vector = || try_vec(level.len(), 0.0, "the vectors of the multigrid");
-        Ok(Smoother { x: vector()?, r: vector()?, z: vector()?, az: vector()? })
+        let mut smoother = Smoother { largest: 0.0, x: vector()?, r: vector()?, z: vector()?, az: vector()? };
+        smoother.largest = SAFETY * smoother.estimate_largest(level, workers);
+        Ok(smoother)
+    }
+
+    /// The power method on B A.
+    fn estimate_largest(&mut self, level: &mut impl Level, workers: &Workers) -> f64 {
+        // Signs that alternate in no pattern of the grid's.
+        for (i, z) in self.z.iter_mut().enumerate() {
+            let hash = (i as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 33;
+            *z = if hash & 1 == 0 { 1.0 } else { -1.0 };
+        }
+        let mut largest = 0.0;
+        for _ in 0..POWER_STEPS {
+            level.apply(workers, &self.z, &mut self.az);
+            level.invert_locally(workers, &self.az, &mut self.x);
+            // The Rayleigh quotient in the inner product of A.
+            largest = dot(workers, &self.az, &self.x) / dot(workers, &self.z, &self.az);
+            self.z.copy_from_slice(&self.x);
+        }
+        if std::env::var("TELL").is_ok() { eprintln!("n {} largest {largest}", self.x.len()); }
+        largest
     }
 
     /// Smooths x with the residual r = b - A x at hand, which is that of the new x only where it is `kept`.
@@ -58,7 +84,7 @@ impl Smoother {
         for k in 1..=degree {
             let k_real = k as f64;
             let old = (2.0 * k_real - 3.0) / (2.0 * k_real + 1.0);
-            let new = (8.0 * k_real - 4.0) / (2.0 * k_real + 1.0) / level.largest();
+            let new = (8.0 * k_real - 4.0) / (2.0 * k_real + 1.0) / self.largest;
             level.invert_locally(workers, &self.r, &mut self.az);
             update(workers, &mut self.z, &self.az, |b, z| if k == 1 { new * b } else { old * z + new * b });
             update(workers, &mut self.x, &self.z, |z, x| x + z);

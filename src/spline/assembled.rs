@@ -240,9 +240,8 @@ impl LayerSums<'_> {
                         let star = &mut line[(dx * WIDTH + dy) * WIDTH * self.nz..][..WIDTH * self.nz];
                         for (d, sums) in star.chunks_exact_mut(self.nz).enumerate() {
                             let sums: &mut [f64; 4] = (&mut sums[k..k + 4]).try_into().expect("a slice of four");
-                            for c in 0..4 {
-                                sums[c] = I::mul_add(vz, z.value[d][c], I::mul_add(sz, z.slope[d][c], sums[c]));
-                            }
+                            let with_slope = I::mul_add_4(I::splat(sz), I::load(&z.slope[d]), I::load(sums));
+                            I::store(I::mul_add_4(I::splat(vz), I::load(&z.value[d]), with_slope), sums);
                         }
                     }
                 }
@@ -299,15 +298,21 @@ fn add_band_product<I: Isa, const N: usize>(bands: &[f64], x: &[f64], y: &mut [f
     let [b1, b2, b3] = std::array::from_fn(|d| &bands[(d + 1) * n - (d + 1)..][..n]);
     let x: [[&[f64]; 7]; N] = from.map(|from| std::array::from_fn(|d| &x[from + 4 + d - HALF_BAND..][..n]));
     // Four at a time: n is a multiple.
+    let four = |x: &[f64], k: usize| I::load(x[k..k + 4].try_into().expect("a slice of four"));
     for k in (0..n).step_by(4) {
+        let (a0, a1, a2, a3) = (four(a0, k), four(a1, k), four(a2, k), four(a3, k));
+        let (b1, b2, b3) = (four(b1, k), four(b2, k), four(b3, k));
         for (x, to) in x.iter().zip(to) {
             let y: &mut [f64; 4] = (&mut y[to + k..to + k + 4]).try_into().expect("a slice of four");
-            for c in 0..4 {
-                let q = k + c;
-                let up = I::mul_add(a0[q], x[3][q], I::mul_add(a1[q], x[4][q], I::mul_add(a2[q], x[5][q], a3[q] * x[6][q])));
-                let down = I::mul_add(b1[q], x[2][q], I::mul_add(b2[q], x[1][q], I::mul_add(b3[q], x[0][q], y[c])));
-                y[c] = up + down;
+            let mut up = I::mul_4(a3, four(x[6], k));
+            let mut down = I::mul_add_4(b3, four(x[0], k), I::load(y));
+            for (a, d) in [(a2, 5), (a1, 4), (a0, 3)] {
+                up = I::mul_add_4(a, four(x[d], k), up);
             }
+            for (b, d) in [(b2, 1), (b1, 2)] {
+                down = I::mul_add_4(b, four(x[d], k), down);
+            }
+            I::store(I::add_4(up, down), y);
         }
     }
 }

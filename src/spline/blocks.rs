@@ -40,8 +40,6 @@ pub struct Blocks {
     /// 1 / sqrt(diagonal) [n]
     scale: Vec<f64>,
     shared: Vec<SharedFactor>,
-    /// Blocks that meet a cell, at most.
-    overlap: f64,
 }
 
 /// The blocks that begin at one plane.
@@ -79,15 +77,8 @@ type Class = ([[usize; 2]; 3], usize);
 fn starts(n: usize) -> Vec<usize> {
     match n {
         1 => vec![0],
-        // The last step may be one longer, rather than a cell meet more blocks.
-        _ => (0..(n + 1).saturating_sub(EDGE + STEP)).step_by(STEP).chain([n - EDGE]).collect(),
+        _ => (0..n - EDGE).step_by(STEP).chain([n - EDGE]).collect(),
     }
-}
-
-/// Blocks along an axis of `n` control points that meet a cell, at most.
-fn overlap(n: usize) -> usize {
-    let starts = starts(n);
-    (0..n).map(|cell| starts.iter().filter(|s| **s < cell + EDGE && cell < **s + EDGE).count()).max().unwrap_or(1)
 }
 
 /// A sum of tensor products of bands along x, y, z: what an operator is away from stiff control points.
@@ -108,19 +99,13 @@ impl Blocks {
     pub fn new(shape: [usize; 3], diagonal: &[f64]) -> Result<Self> {
         let mut scale = try_vec(diagonal.len(), 0.0, "the smoother")?;
         scale.iter_mut().zip(diagonal).for_each(|(s, d)| *s = 1.0 / d.sqrt());
-        let overlap = shape.iter().map(|n| overlap(*n) as f64).product();
-        Ok(Blocks { shape, slabs: Vec::new(), scale, shared: Vec::new(), overlap })
+        Ok(Blocks { shape, slabs: Vec::new(), scale, shared: Vec::new() })
     }
 
     /// Planes of the operator to hand to [`Blocks::add`], one range after the other, where not all are at hand.
     pub fn windows(shape: [usize; 3]) -> Vec<Range<usize>> {
         let starts = starts(shape[0]);
         starts.chunks(SLABS).map(|chunk| chunk[0]..chunk[chunk.len() - 1] + shape[0].min(EDGE)).collect()
-    }
-
-    /// An upper bound of the eigenvalues of (the inverse) A: each cell's energy counts in as many blocks as meet the cell.
-    pub fn largest(&self) -> f64 {
-        self.overlap
     }
 
     /// Adds the blocks within the planes of `matrix` that are not there yet.
@@ -190,6 +175,8 @@ impl Blocks {
         self.shared.push(SharedFactor { class, rows: rows.iter().map(|row| row[0] as f32).collect(), scale });
         Ok(self.shared.len() - 1)
     }
+
+    pub fn tell(&self) { let (mut own, mut sh) = (0, 0); for s in &self.slabs { for b in &s.batches { match b.factor { BatchFactor::Own(_) => own += 1, _ => sh += 1 } } } eprintln!("own batches {own} shared batches {sh} factors {}", self.shared.len()); }
 
     fn place(&self, p: usize) -> [usize; 3] {
         let [_, ny, nz] = self.shape;
@@ -336,37 +323,50 @@ impl Kernel for Factor<'_> {
             let (above, row) = rows.split_at_mut(i * (i + 1) / 2);
             for j in 0..i {
                 let other = &above[j * (j + 1) / 2..][..j + 1];
-                let mut sum = row[j];
-                for (a, b) in row[..j].iter().zip(other) {
-                    (0..LANES).for_each(|l| sum[l] = I::mul_add(-a[l], b[l], sum[l]));
-                }
+                let sum = less_products::<I>(&row[j], &row[..j], other);
                 (0..LANES).for_each(|l| row[j][l] = sum[l] * other[j][l]);
             }
-            let mut pivot = row[i];
-            for a in &row[..i] {
-                (0..LANES).for_each(|l| pivot[l] = I::mul_add(-a[l], a[l], pivot[l]));
-            }
+            let pivot = less_products::<I>(&row[i], &row[..i], &row[..i]);
             row[i] = pivot.map(|p| 1.0 / p.max(LEAST_PIVOT).sqrt());
         }
     }
 }
 
+/// c - the sum of products of a and b, lane by lane.
+#[inline(always)]
+fn less_products<I: Isa>(c: &[f64; LANES], a: &[[f64; LANES]], b: &[[f64; LANES]]) -> [f64; LANES] {
+    let halves = |x: &[f64; LANES]| [0, 4].map(|h| I::load(x[h..h + 4].try_into().expect("half of the lanes")));
+    // Sums of even and of odd ones, so that no product waits for the one before.
+    let mut sums = [[I::splat(0.0); 2]; 2];
+    for (k, (a, b)) in a.iter().zip(b).enumerate() {
+        let ([a0, a1], [b0, b1]) = (halves(a), halves(b));
+        let [s0, s1] = sums[k % 2];
+        sums[k % 2] = [I::mul_add_4(a0, b0, s0), I::mul_add_4(a1, b1, s1)];
+    }
+    let mut less = [0.0; LANES];
+    for (h, c) in halves(c).into_iter().enumerate() {
+        let rest = I::sub_4(c, I::add_4(sums[0][h], sums[1][h]));
+        I::store(rest, (&mut less[4 * h..4 * h + 4]).try_into().expect("half of the lanes"));
+    }
+    less
+}
+
 /// Entries of factors, one for all lanes or one a lane.
 trait Entry: Copy {
-    fn of_lane(self, lane: usize) -> f32;
+    fn lanes<I: Isa>(&self) -> I::Eight;
 }
 
 impl Entry for f32 {
     #[inline(always)]
-    fn of_lane(self, _: usize) -> f32 {
-        self
+    fn lanes<I: Isa>(&self) -> I::Eight {
+        I::splat_8(*self)
     }
 }
 
 impl Entry for [f32; LANES] {
     #[inline(always)]
-    fn of_lane(self, lane: usize) -> f32 {
-        self[lane]
+    fn lanes<I: Isa>(&self) -> I::Eight {
+        I::load_8(self)
     }
 }
 
@@ -385,20 +385,27 @@ impl<E: Entry> Kernel for Solve<'_, E> {
         let n = x.len();
         for i in 0..n {
             let row = &factor[i * (i + 1) / 2..][..i + 1];
-            let mut sums = [x[i], [0.0; LANES], [0.0; LANES], [0.0; LANES]];
-            for (k, (a, x)) in row[..i].iter().zip(&*x).enumerate() {
-                let sum = &mut sums[k % 4];
-                (0..LANES).for_each(|l| sum[l] = I::mul_add_f32(-a.of_lane(l), x[l], sum[l]));
+            // Four sums, so that no product waits for the one before.
+            let zero = I::splat_8(0.0);
+            let mut sums = [I::load_8(&x[i]), zero, zero, zero];
+            let (rows, others) = (row[..i].chunks_exact(4), x[..i].chunks_exact(4));
+            for (a, x) in rows.remainder().iter().zip(others.remainder()) {
+                sums[0] = I::mul_sub_8(a.lanes::<I>(), I::load_8(x), sums[0]);
             }
-            let sum = |l: usize| (sums[0][l] + sums[1][l]) + (sums[2][l] + sums[3][l]);
-            x[i] = std::array::from_fn(|l| sum(l) * row[i].of_lane(l));
+            for (a, x) in rows.zip(others) {
+                for k in 0..4 {
+                    sums[k] = I::mul_sub_8(a[k].lanes::<I>(), I::load_8(&x[k]), sums[k]);
+                }
+            }
+            let sum = I::add_8(I::add_8(sums[0], sums[1]), I::add_8(sums[2], sums[3]));
+            I::store_8(I::mul_8(sum, row[i].lanes::<I>()), &mut x[i]);
         }
         for i in (0..n).rev() {
             let row = &factor[i * (i + 1) / 2..][..i + 1];
-            let own: [f32; LANES] = std::array::from_fn(|l| x[i][l] * row[i].of_lane(l));
-            x[i] = own;
+            let own = I::mul_8(I::load_8(&x[i]), row[i].lanes::<I>());
+            I::store_8(own, &mut x[i]);
             for (a, x) in row[..i].iter().zip(&mut *x) {
-                (0..LANES).for_each(|l| x[l] = I::mul_add_f32(-a.of_lane(l), own[l], x[l]));
+                I::store_8(I::mul_sub_8(a.lanes::<I>(), own, I::load_8(x)), x);
             }
         }
     }
