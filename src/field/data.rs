@@ -318,7 +318,8 @@ impl<const D: usize> Point for Diagonal<'_, D> {
         let Diagonal { term, view } = self;
         let (stencil, u) = view.stencil(&term.data.xi[p]);
         // The squares of the weights of a tensor product are the tensor product of the squares.
-        let squares = Weights::along::<I, D>(&u).map(|Weights { w, dw }| Weights { w: w.map(|w| w * w), dw: dw.map(|d| d * d) });
+        let squares =
+            Weights::along::<I, D>(&u).map(|Weights { w, dw }| Weights { w: w.map(|w| w * w), dw: dw.map(|d| d * d) });
         let pull = term.pull(view, p);
         let gradient = std::array::from_fn(|a| pull[a] * view.per_cell[a]);
         stencil.shifted(first_layer).scatter::<I>(y, &squares, term.data.mass[p].value, gradient);

@@ -20,13 +20,13 @@ use crate::error::try_vec;
 use crate::geometry::Cloud;
 use crate::geometry::neighbours::{Neighbour, Neighbours};
 use crate::geometry::vec::{dot, sub};
+use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::assembled::{Assembled, AxisProducts, LayerSums, products};
 use crate::spline::basis::Weights;
-use crate::spline::gram::{Band, band_of_places};
 use crate::spline::centers::{Centers, Taps};
-use crate::isa::{Isa, Kernel, dispatch};
+use crate::spline::gram::{Band, band_of_places};
 
 /// Distance from the surface, in cells, from which on the term counts.
 const NEAREST: f64 = 1.0;

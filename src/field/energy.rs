@@ -102,8 +102,8 @@ impl<const D: usize> Energy<D> {
         self.terms.apply(&self.data, workers, x, y);
     }
 
-    /// The multigrid of A; `None` where the grid is too small for one.
-    pub(super) fn multigrid(&mut self, workers: &Workers) -> Result<Option<Multigrid<Level<'_, D>>>> {
+    /// The multigrid of A.
+    pub(super) fn multigrid(&mut self, workers: &Workers) -> Result<Multigrid<Level<'_, D>>> {
         multigrid(&self.data, &mut self.terms, workers)
     }
 }

@@ -238,6 +238,7 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         clear_sides: f64::NAN,
         iterations,
         residual: at.f64(),
+        convergence_rate: f64::NAN,
         seconds_assembly: at.f64(),
         seconds_solve: at.f64(),
         seconds_check: at.f64(),

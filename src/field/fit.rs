@@ -3,7 +3,8 @@
 use super::data::{Data, Misfit};
 use super::distance::FarDistances;
 use super::energy::Energy;
-use super::system::System;
+use super::levels;
+use super::system::{Diagonal, PATIENCE};
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
 use crate::Result;
 use crate::error::{Error, try_vec};
@@ -232,20 +233,39 @@ impl<const D: usize> Fitting<'_, D> {
     /// Solves A x = b (11) from `x` on, and counts the iterations.
     fn solve(&mut self, x: Vec<f64>, round: Round, progress: &mut Progress) -> Result<Vec<f64>> {
         let b = self.energy.right_hand_side(self.workers, self.options.feasible.sign())?;
-        let mut system = System::new(&mut self.energy, self.workers)?;
         let Round { index, of, tolerance } = round;
-        let max_iterations = (self.options.max_iterations - self.report.iterations) as usize;
-        let (x, done) =
-            cg::solve(&mut system, &b, x, Stop { tolerance, max_iterations }, self.workers, |_, residual| {
-                // The residual falls by about a factor an iteration, so its logarithm tells how far a solve is.
-                let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
-                progress.tell(0.1 + 0.88 * (f64::from(index) + solved) / f64::from(of), "solve")
-            })
+        let mut observe = |_, residual: f64| {
+            // The residual falls by about a factor an iteration, so its logarithm tells how far a solve is.
+            let solved = (residual.ln() / tolerance.ln()).clamp(0.0, 1.0);
+            progress.tell(0.1 + 0.88 * (f64::from(index) + solved) / f64::from(of), "solve")
+        };
+        let patience = self.multigrid_fits().then_some(PATIENCE);
+        let mut stop = Stop { tolerance, max_iterations: self.iterations_left(), patience };
+        let mut diagonal = Diagonal::new(&mut self.energy, self.workers)?;
+        let (mut x, mut done) = cg::solve(&mut diagonal, &b, x, stop, self.workers, &mut observe)
             .map_err(|error| counting_earlier_rounds(error, self.report.iterations))?;
         self.report.iterations += done.iterations as u32;
-        self.report.residual = done.residual;
+        if done.residual > tolerance {
+            (stop.max_iterations, stop.patience) = (self.iterations_left(), None);
+            let mut multigrid = self.energy.multigrid(self.workers)?;
+            (x, done) = cg::solve(&mut multigrid, &b, x, stop, self.workers, &mut observe)
+                .map_err(|error| counting_earlier_rounds(error, self.report.iterations))?;
+            self.report.iterations += done.iterations as u32;
+        }
+        (self.report.residual, self.report.convergence_rate) = (done.residual, done.rate);
         self.report.seconds_solve += self.lap();
         Ok(x)
+    }
+
+    /// Whether the grid is large enough for a multigrid, and the limit of memory for what it takes more.
+    fn multigrid_fits(&self) -> bool {
+        let (n_points, shape) = (self.energy.data().n_points() as u128, self.energy.grid().shape().map(|n| n as u128));
+        let bytes = memory(n_points, shape) + levels::memory(n_points, shape);
+        levels::serve(self.energy.grid()) && bytes <= u128::from(self.options.memory_limit)
+    }
+
+    fn iterations_left(&self) -> usize {
+        (self.options.max_iterations - self.report.iterations) as usize
     }
 
     fn lap(&mut self) -> f64 {

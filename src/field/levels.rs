@@ -24,8 +24,8 @@ use std::ops::Range;
 /// Unknowns of the coarsest grid, which is solved, at most, where its axes can be coarsened so far.
 const COARSEST: usize = 400;
 
-/// Control points a point below which a grid has entries: a row of them costs as much as so many points.
-const ENTRIES_BELOW: f64 = 1.5;
+/// Twice the control points a point below which a grid has entries: a row of them costs as much as so many half points.
+const ENTRIES_BELOW: u128 = 3;
 
 /// An axis is coarsened where its cells are at most this many times as long as the shortest.
 const LONG: f64 = 1.5;
@@ -71,14 +71,6 @@ impl<const D: usize> Terms<D> {
             distance.add_diagonal(&mut d);
         }
         Ok(d)
-    }
-
-    /// The axes to coarsen next; none where the grid is the coarsest.
-    fn halved(&self) -> [bool; D] {
-        let grid = self.view.grid();
-        let can = |a: usize| grid.axes[a].n_cells > 1;
-        let shortest = (0..D).filter(|a| can(*a)).fold(f64::INFINITY, |m, a| m.min(grid.axes[a].cell));
-        if grid.n_control() <= COARSEST { [false; D] } else { std::array::from_fn(|a| can(a) && grid.axes[a].cell <= LONG * shortest) }
     }
 
     /// The terms on the grid with the axes coarsened for which `halved` is true.
@@ -139,13 +131,41 @@ impl<const D: usize> Terms<D> {
                 }
             }
         }
-        if std::env::var("TELL").is_ok() { blocks.tell(); }
         Ok(blocks)
     }
 
     fn assemble_all(&self, data: &DataTerm<D>, workers: &Workers) -> Result<Assembled> {
         self.assemble(data, 0..self.smoothness.shape()[0], workers)
     }
+}
+
+/// The axes of `grid` to coarsen next; none where it is the coarsest.
+fn halved<const D: usize>(grid: &Grid<D>) -> [bool; D] {
+    let can = |a: usize| grid.axes[a].n_cells > 1;
+    let shortest = (0..D).filter(|a| can(*a)).fold(f64::INFINITY, |m, a| m.min(grid.axes[a].cell));
+    let coarsest = grid.n_control() <= COARSEST;
+    std::array::from_fn(|a| !coarsest && can(a) && grid.axes[a].cell <= LONG * shortest)
+}
+
+/// Whether a multigrid has more than one grid.
+pub(super) fn serve<const D: usize>(grid: &Grid<D>) -> bool {
+    halved(grid).contains(&true)
+}
+
+/// Whether entries are cheaper than points.
+fn has_entries(n_control: u128, n_points: u128) -> bool {
+    2 * n_control < ENTRIES_BELOW * n_points
+}
+
+/// Bytes that a multigrid for `n_points` points on a tensor of `shape` control points takes at most.
+pub(super) fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
+    let shape: [u128; 3] = std::array::from_fn(|a| if a + D >= 3 { shape[a + D - 3] } else { 1 });
+    let n: u128 = shape.iter().product();
+    let planes = if has_entries(n, n_points) { shape[0] } else { shape[0].min(Blocks::WINDOW) };
+    // Each point is in a cell that 4^D blocks have functions of. Four vectors, the transfers', the scale and what tells which blocks have
+    // factors of their own. All coarser grids together have a seventh of that in space, a third in the plane, and entries.
+    let finest = Assembled::bytes(shape, planes) + Blocks::bytes(shape, n_points) + n * 8 * (4 + 1 + 1 + 4);
+    finest + finest / if shape[0] == 1 { 2 } else { 5 } + Assembled::bytes(shape, shape[0]) / 4
 }
 
 /// `halved` with the axes that the plane lacks, which are not.
@@ -156,7 +176,7 @@ fn in_space<const D: usize>(halved: [bool; D]) -> [bool; 3] {
 /// A on one grid.
 enum Form<'a, const D: usize> {
     Finest(&'a mut Terms<D>),
-    Terms(Terms<D>),
+    Terms(Box<Terms<D>>),
     Entries(Assembled),
 }
 
@@ -170,7 +190,7 @@ pub(super) struct Level<'a, const D: usize> {
 }
 
 impl<const D: usize> multigrid::Level for Level<'_, D> {
-    fn len(&self) -> usize {
+    fn n_unknowns(&self) -> usize {
         self.len
     }
 
@@ -195,45 +215,42 @@ impl<const D: usize> multigrid::Level for Level<'_, D> {
     }
 }
 
-/// The multigrid of `finest`; `None` where the grid is too small for one.
+/// The multigrid of `finest`, of which the grid must be one that it [serves](serve).
 pub(super) fn multigrid<'a, const D: usize>(
     data: &'a DataTerm<D>,
     finest: &'a mut Terms<D>,
     workers: &Workers,
-) -> Result<Option<Multigrid<Level<'a, D>>>> {
-    let mut halved = finest.halved();
-    if halved == [false; D] {
-        return Ok(None);
-    }
+) -> Result<Multigrid<Level<'a, D>>> {
     let mut levels = Vec::new();
-    let mut next = finest.coarser(data, halved)?;
+    let mut axes = halved(finest.view.grid());
+    let mut next = finest.coarser(data, axes)?;
     let n = finest.view.grid().n_control();
     let mut shape = finest.smoothness.shape();
-    let (mut blocks, mut form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
+    let (mut blocks, mut form) = if has_entries(n as u128, data.n_points() as u128) {
         let matrix = finest.assemble_all(data, workers)?;
         (finest.blocks(data, Some(&matrix), workers)?, Form::Entries(matrix))
     } else {
         (finest.blocks(data, None, workers)?, Form::Finest(finest))
     };
     loop {
-        let to_coarser = TwoScale::new(shape, in_space(halved))?;
+        let to_coarser = TwoScale::new(shape, in_space(axes))?;
         let mut level = Level { data, form, blocks, to_coarser, len: shape.iter().product() };
         let smoother = Smoother::new(&mut level, workers)?;
         levels.push((level, smoother));
-        halved = next.halved();
-        if halved == [false; D] {
+        axes = halved(next.view.grid());
+        if axes == [false; D] {
             let matrix = next.assemble_all(data, workers)?;
             let n = next.view.grid().n_control();
-            return Ok(Some(Multigrid::new(levels, Cholesky::new(n, matrix.lower_triangle()?, LEAST_PIVOT))?));
+            return Multigrid::new(levels, Cholesky::new(n, matrix.lower_triangle()?, LEAST_PIVOT));
         }
-        let coarser = next.coarser(data, halved)?;
+        let coarser = next.coarser(data, axes)?;
         shape = next.smoothness.shape();
         let n = next.view.grid().n_control();
-        (blocks, form) = if (n as f64) < ENTRIES_BELOW * data.n_points() as f64 {
+        (blocks, form) = if has_entries(n as u128, data.n_points() as u128) {
             let matrix = next.assemble_all(data, workers)?;
             (next.blocks(data, Some(&matrix), workers)?, Form::Entries(matrix))
         } else {
-            (next.blocks(data, None, workers)?, Form::Terms(next))
+            (next.blocks(data, None, workers)?, Form::Terms(Box::new(next)))
         };
         next = coarser;
     }

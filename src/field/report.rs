@@ -18,6 +18,9 @@ pub struct FitReport {
     pub iterations: u32,
     /// Relative residual reached in the last round.
     pub residual: f64,
+    /// Mean factor by which an iteration lowered it in that round, those with the last preconditioner alone; 0 where none
+    /// was needed, NaN for a field that was loaded.
+    pub convergence_rate: f64,
     /// Seconds to sort the points, measure the far distances, build the right-hand side and the first preconditioner.
     pub seconds_assembly: f64,
     /// Seconds of the solves, with the preconditioners of the later rounds.

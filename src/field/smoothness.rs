@@ -40,7 +40,8 @@ impl Smoothness {
 
     /// The operator on the grid with the axes coarsened for which `halved` is true: integrated over the same box.
     pub fn coarser(&self, halved: [bool; 3]) -> Result<Self> {
-        let mut coarse = Smoothness { shape: self.shape, gram: self.gram.clone(), factor: self.factor, scratch: Default::default() };
+        let mut coarse =
+            Smoothness { shape: self.shape, gram: self.gram.clone(), factor: self.factor, scratch: Default::default() };
         for a in (0..3).filter(|a| halved[*a]) {
             coarse.gram[a] = coarser_gram(&self.gram[a])?;
             coarse.shape[a] = coarse.gram[a].order[0].len();

@@ -23,6 +23,8 @@ pub struct Stop {
     pub tolerance: f64,
     /// Iterations after which not having reached it is an error.
     pub max_iterations: usize,
+    /// Iterations that are worth waiting for: where more seem to be left the solve ends with what it has. `None` waits for all.
+    pub patience: Option<usize>,
 }
 
 /// How a solve ended.
@@ -30,8 +32,31 @@ pub struct Stop {
 pub struct Convergence {
     /// Iterations done.
     pub iterations: usize,
-    /// Relative residual |b - A x| / |b|, computed from x.
+    /// Relative residual |b - A x| / |b|, computed from x; above the tolerance where patience ended.
     pub residual: f64,
+    /// Mean factor by which an iteration lowered it.
+    pub rate: f64,
+}
+
+/// How fast residuals fall, by those of the last half of the iterations.
+struct Pace {
+    residuals: Vec<f64>,
+}
+
+impl Pace {
+    /// Iterations between looks.
+    const LOOK: usize = 16;
+
+    /// Whether more iterations than `patience` seem to be left to `tolerance` after one that reached `residual`.
+    fn is_slow(&mut self, residual: f64, tolerance: f64, patience: Option<usize>) -> bool {
+        self.residuals.push(residual);
+        let n = self.residuals.len();
+        let Some(patience) = patience.filter(|_| n.is_multiple_of(Pace::LOOK)) else { return false };
+        let fall = (self.residuals[n / 2] / residual).ln() / (n - 1 - n / 2) as f64;
+        // A NaN, where residuals do not fall at all, is no number of iterations to wait for either.
+        let waits = (residual / tolerance).ln() <= fall * patience as f64;
+        !waits
+    }
 }
 
 /// Solves A x = b from the `x` given; `observe(iterations, residual)` is called once an iteration and may stop the solve with its error.
@@ -50,26 +75,32 @@ pub fn solve(
     let vector = || try_vec(n, 0.0, "a vector of the solve");
     let (mut r, mut z, mut p, mut ap) = (vector()?, vector()?, vector()?, vector()?);
     let b_norm = norm(workers, b);
-    let mut done = Convergence { iterations: 0, residual: 0.0 };
+    let mut done = Convergence { iterations: 0, residual: 0.0, rate: 0.0 };
     if b_norm == 0.0 {
         x.fill(0.0);
         return Ok((x, done));
     }
+    let (mut first, mut pace) = (None, Pace { residuals: Vec::new() });
+    let mut impatient = false;
     loop {
         system.apply(workers, &x, &mut ap);
         r.copy_from_slice(b);
         update(workers, &mut r, &ap, |ap, r| r - ap);
         done.residual = norm(workers, &r) / b_norm;
-        if done.residual <= stop.tolerance {
+        let first = *first.get_or_insert(done.residual);
+        if done.iterations > 0 {
+            done.rate = (done.residual / first).powf(1.0 / done.iterations as f64);
+        }
+        if done.residual <= stop.tolerance || impatient {
             return Ok((x, done));
         }
         if done.iterations >= stop.max_iterations || !done.residual.is_finite() {
-            let Convergence { iterations, residual } = done;
+            let Convergence { iterations, residual, .. } = done;
             return Err(Error::NotConverged { iterations, residual, tolerance: stop.tolerance });
         }
         let mut rho = f64::INFINITY;
         // Written so that a NaN ends the loop too.
-        while done.residual > stop.tolerance && done.iterations < stop.max_iterations {
+        while done.residual > stop.tolerance && done.iterations < stop.max_iterations && !impatient {
             system.precondition(workers, &r, &mut z);
             let rho_next = dot(workers, &r, &z);
             let beta = rho_next / rho;
@@ -82,6 +113,7 @@ pub fn solve(
             done.iterations += 1;
             done.residual = norm(workers, &r) / b_norm;
             observe(done.iterations, done.residual)?;
+            impatient = pace.is_slow(done.residual, stop.tolerance, stop.patience);
         }
     }
 }
@@ -109,7 +141,14 @@ mod tests {
 
     fn run(b: &[f64], tolerance: f64, max_iterations: usize, n_threads: u32) -> Result<(Vec<f64>, Convergence)> {
         let workers = Workers::new(n_threads).unwrap();
-        solve(&mut Laplacian, b, vec![0.0; b.len()], Stop { tolerance, max_iterations }, &workers, |_, _| Ok(()))
+        solve(
+            &mut Laplacian,
+            b,
+            vec![0.0; b.len()],
+            Stop { tolerance, max_iterations, patience: None },
+            &workers,
+            |_, _| Ok(()),
+        )
     }
 
     #[test]
@@ -145,9 +184,37 @@ mod tests {
     }
 
     #[test]
+    fn impatience_ends_a_slow_solve_with_what_it_has_and_leaves_a_fast_one_alone() {
+        /// The second-difference matrix: as many iterations as unknowns.
+        struct Slow;
+
+        impl System for Slow {
+            fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+                Laplacian.apply(workers, x, y);
+                y.iter_mut().zip(x).enumerate().for_each(|(i, (y, x))| *y -= i as f64 * x);
+            }
+
+            fn precondition(&mut self, _: &Workers, r: &[f64], z: &mut [f64]) {
+                z.copy_from_slice(r);
+            }
+        }
+
+        let b: Vec<f64> = (0..100).map(|i| (i as f64).sin()).collect();
+        let with = |patience| {
+            let stop = Stop { tolerance: 1e-10, max_iterations: 10_000, patience };
+            solve(&mut Slow, &b, vec![0.0; b.len()], stop, &Workers::caller_only(), |_, _| Ok(())).unwrap().1
+        };
+        let patient = with(None);
+        assert!(patient.residual <= 1e-10 && patient.iterations > 2 * Pace::LOOK);
+        assert!(patient.rate > 0.0 && patient.rate < 1.0);
+        let impatient = with(Some(1));
+        assert!(impatient.iterations == Pace::LOOK && impatient.residual > 1e-10, "{impatient:?}");
+    }
+
+    #[test]
     fn an_observer_stops_the_solve() {
         let workers = Workers::caller_only();
-        let stop = Stop { tolerance: 1e-12, max_iterations: 1000 };
+        let stop = Stop { tolerance: 1e-12, max_iterations: 1000, patience: None };
         let stopped = solve(&mut Laplacian, &[1.0; 50], vec![0.0; 50], stop, &workers, |i, _| {
             if i == 2 { Err(Error::Cancelled) } else { Ok(()) }
         });

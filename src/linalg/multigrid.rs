@@ -15,7 +15,7 @@ use crate::par::Workers;
 /// One level of a hierarchy, from the finest on.
 pub trait Level {
     /// Unknowns.
-    fn len(&self) -> usize;
+    fn n_unknowns(&self) -> usize;
 
     /// y = A x, both `[n]`.
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]);
@@ -48,12 +48,12 @@ const SAFETY: f64 = 1.1;
 const POWER_STEPS: usize = 6;
 
 /// Degree of the polynomial.
-const DEGREE: usize = 3;
+const DEGREE: usize = 2;
 
 impl Smoother {
     /// For `level`.
     pub fn new(level: &mut impl Level, workers: &Workers) -> Result<Self> {
-        let vector = || try_vec(level.len(), 0.0, "the vectors of the multigrid");
+        let vector = || try_vec(level.n_unknowns(), 0.0, "the vectors of the multigrid");
         let mut smoother = Smoother { largest: 0.0, x: vector()?, r: vector()?, z: vector()?, az: vector()? };
         smoother.largest = SAFETY * smoother.estimate_largest(level, workers);
         Ok(smoother)
@@ -74,21 +74,19 @@ impl Smoother {
             largest = dot(workers, &self.az, &self.x) / dot(workers, &self.z, &self.az);
             self.z.copy_from_slice(&self.x);
         }
-        if std::env::var("TELL").is_ok() { eprintln!("n {} largest {largest}", self.x.len()); }
         largest
     }
 
     /// Smooths x with the residual r = b - A x at hand, which is that of the new x only where it is `kept`.
     fn smooth(&mut self, level: &mut impl Level, workers: &Workers, residual: Residual) {
-        let degree: usize = std::env::var("DEG").map_or(3, |s| s.parse().unwrap());
-        for k in 1..=degree {
+        for k in 1..=DEGREE {
             let k_real = k as f64;
             let old = (2.0 * k_real - 3.0) / (2.0 * k_real + 1.0);
             let new = (8.0 * k_real - 4.0) / (2.0 * k_real + 1.0) / self.largest;
             level.invert_locally(workers, &self.r, &mut self.az);
             update(workers, &mut self.z, &self.az, |b, z| if k == 1 { new * b } else { old * z + new * b });
             update(workers, &mut self.x, &self.z, |z, x| x + z);
-            if k < degree || residual == Residual::Kept {
+            if k < DEGREE || residual == Residual::Kept {
                 level.apply(workers, &self.z, &mut self.az);
                 update(workers, &mut self.r, &self.az, |az, r| r - az);
             }

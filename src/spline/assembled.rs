@@ -98,7 +98,11 @@ impl Assembled {
 
     /// Layers of cells that the planes have entries of.
     fn layers(&self) -> Range<usize> {
-        if self.shape[0] == 1 { 0..1 } else { self.planes.start.saturating_sub(3)..self.planes.end.min(self.shape[0] - 3) }
+        if self.shape[0] == 1 {
+            0..1
+        } else {
+            self.planes.start.saturating_sub(3)..self.planes.end.min(self.shape[0] - 3)
+        }
     }
 
     /// Calls `add(layer, sums)` for each layer of cells along x.
@@ -292,7 +296,14 @@ impl Kernel for SlabProduct<'_> {
 
 /// The lines of y at `to` += the symmetric band of which entry (k, k + d) is at `bands[d * n + k]`, times the lines of x at `from`.
 #[inline(always)]
-fn add_band_product<I: Isa, const N: usize>(bands: &[f64], x: &[f64], y: &mut [f64], to: [usize; N], from: [usize; N], n: usize) {
+fn add_band_product<I: Isa, const N: usize>(
+    bands: &[f64],
+    x: &[f64],
+    y: &mut [f64],
+    to: [usize; N],
+    from: [usize; N],
+    n: usize,
+) {
     // Entries towards functions before start within the rim of the distance before. All slices are as long as a line.
     let [a0, a1, a2, a3] = std::array::from_fn(|d| &bands[d * n..][..n]);
     let [b1, b2, b3] = std::array::from_fn(|d| &bands[(d + 1) * n - (d + 1)..][..n]);
@@ -323,6 +334,9 @@ mod tests {
     use crate::geometry::random::SplitMix64;
     use crate::spline::gram::Gram;
 
+    /// A cell, and values and slopes of its functions along each axis.
+    type Place = ([usize; 3], [[[f64; 4]; 2]; 3]);
+
     /// The full matrix by its definition: bands, and points with their products.
     #[test]
     fn entries_and_products_are_those_of_the_sums_that_were_added() {
@@ -331,7 +345,7 @@ mod tests {
             let workers = Workers::new(workers).unwrap();
             let gram = cells.map(|n| if n == 0 { Gram::of_no_axis() } else { Gram::new(n, 0.7).unwrap() });
             let shape: [usize; 3] = std::array::from_fn(|a| gram[a].order[0].len());
-            let points: Vec<([usize; 3], [[[f64; 4]; 2]; 3])> = (0..40)
+            let points: Vec<Place> = (0..40)
                 .map(|_| {
                     let cell = cells.map(|n| if n < 2 { 0 } else { (random.unit() * n as f64) as usize });
                     let axis = |a: usize, random: &mut SplitMix64| match cells[a] {
@@ -362,11 +376,15 @@ mod tests {
                 let mut sum = 0.3 * band(0) * band(1) * band(2);
                 for (cell, f) in &points {
                     let of = |a: usize, order: usize| {
-                        let at = |p: usize| p.checked_sub(cell[a]).and_then(|p| f[a][order].get(p)).copied().unwrap_or(0.0);
+                        let at =
+                            |p: usize| p.checked_sub(cell[a]).and_then(|p| f[a][order].get(p)).copied().unwrap_or(0.0);
                         at(p[a]) * at(q[a])
                     };
                     sum += 0.5 * of(0, 0) * of(1, 0) * of(2, 0);
-                    sum += 0.25 * (of(0, 1) * of(1, 0) * of(2, 0) + of(0, 0) * of(1, 1) * of(2, 0) + of(0, 0) * of(1, 0) * of(2, 1));
+                    sum += 0.25
+                        * (of(0, 1) * of(1, 0) * of(2, 0)
+                            + of(0, 0) * of(1, 1) * of(2, 0)
+                            + of(0, 0) * of(1, 0) * of(2, 1));
                 }
                 sum
             };
@@ -377,7 +395,10 @@ mod tests {
             for p in 0..n {
                 let row: Vec<f64> = (0..n).map(|q| expected(place(p), place(q))).collect();
                 let size = row.iter().map(|a| a.abs()).sum::<f64>();
-                assert!((y[p] - row.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()).abs() < 1e-13 * size, "row {p} of {shape:?}");
+                assert!(
+                    (y[p] - row.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>()).abs() < 1e-13 * size,
+                    "row {p} of {shape:?}"
+                );
                 assert!((diagonal[p] - row[p]).abs() < 1e-13 * size);
                 for q in 0..=p {
                     assert!((lower[p * (p + 1) / 2 + q] - row[q]).abs() < 1e-13 * size);

@@ -95,6 +95,19 @@ pub struct Kinds<'a> {
 }
 
 impl Blocks {
+    /// Planes that are assembled at a time, where not all are, at most.
+    pub const WINDOW: u128 = (SLABS * STEP + EDGE) as u128;
+
+    /// Bytes of the blocks on a tensor of `shape`, with the factors of their own that `n_points` points can ask for.
+    pub fn bytes(shape: [u128; 3], n_points: u128) -> u128 {
+        // A point's cell has functions of as many blocks.
+        let (n, met): (u128, u128) = if shape[0] == 1 { (16, 16) } else { (64, 64) };
+        let blocks = shape.iter().map(|n| n / 2 + 1).product::<u128>();
+        // Lanes stay empty at the end of a slab.
+        let own = blocks.min(met * n_points) + shape[0] * LANES as u128;
+        own * (n * (n + 1) / 2 * 4) + blocks * 16 + shape.iter().product::<u128>() * 8
+    }
+
     /// No block, on a tensor of `shape`, of an operator with the `diagonal`.
     pub fn new(shape: [usize; 3], diagonal: &[f64]) -> Result<Self> {
         let mut scale = try_vec(diagonal.len(), 0.0, "the smoother")?;
@@ -116,7 +129,8 @@ impl Blocks {
             if plane < done.max(planes.start) || plane + self.layers() > planes.end {
                 continue;
             }
-            let (own, others): (Vec<usize>, Vec<usize>) = self.firsts(plane).partition(|f| self.members(*f).any(|p| kinds.own[p]));
+            let (own, others): (Vec<usize>, Vec<usize>) =
+                self.firsts(plane).partition(|f| self.members(*f).any(|p| kinds.own[p]));
             let factor = |b: usize| self.factor(matrix, &own[b * LANES..(b * LANES + LANES).min(own.len())]);
             let mut batches = workers.map(own.len().div_ceil(LANES), factor).into_iter().collect::<Result<Vec<_>>>()?;
             self.share(&others, kinds, &mut batches)?;
@@ -175,8 +189,6 @@ impl Blocks {
         self.shared.push(SharedFactor { class, rows: rows.iter().map(|row| row[0] as f32).collect(), scale });
         Ok(self.shared.len() - 1)
     }
-
-    pub fn tell(&self) { let (mut own, mut sh) = (0, 0); for s in &self.slabs { for b in &s.batches { match b.factor { BatchFactor::Own(_) => own += 1, _ => sh += 1 } } } eprintln!("own batches {own} shared batches {sh} factors {}", self.shared.len()); }
 
     fn place(&self, p: usize) -> [usize; 3] {
         let [_, ny, nz] = self.shape;
@@ -250,9 +262,10 @@ impl Blocks {
         // Slabs two apart do not meet, but for the last, which may begin anywhere.
         let plane = self.shape[1] * self.shape[2];
         let last = self.shape[0].saturating_sub(EDGE);
-        let regular = |slab: &&Slab| slab.plane % STEP == 0;
+        let regular = |slab: &&Slab| slab.plane.is_multiple_of(STEP);
         for colour in 0..EDGE / STEP {
-            let slabs: Vec<&Slab> = self.slabs.iter().filter(regular).filter(|s| s.plane / STEP % (EDGE / STEP) == colour).collect();
+            let slabs: Vec<&Slab> =
+                self.slabs.iter().filter(regular).filter(|s| s.plane / STEP % (EDGE / STEP) == colour).collect();
             let (mut rest, mut at) = (&mut *z, 0);
             let mut items = Vec::with_capacity(slabs.len());
             for slab in slabs {
@@ -408,5 +421,108 @@ impl<E: Entry> Kernel for Solve<'_, E> {
                 I::store_8(I::mul_sub_8(a.lanes::<I>(), own, I::load_8(x)), x);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::random::SplitMix64;
+    use crate::linalg::dense::Cholesky;
+    use crate::spline::gram::Gram;
+
+    /// The squares of values and first derivatives, on cells of edge 1; the plane where there are no cells along x.
+    struct Squares([Gram; 3]);
+
+    impl Squares {
+        fn new(cells: [usize; 3]) -> Self {
+            Squares(cells.map(|n| if n == 0 { Gram::of_no_axis() } else { Gram::new(n, 1.0).unwrap() }))
+        }
+
+        fn shape(&self) -> [usize; 3] {
+            std::array::from_fn(|a| self.0[a].order[0].len())
+        }
+
+        fn products(&self) -> Products<'_> {
+            let [x, y, z] = [0, 1, 2].map(|a| &self.0[a].order);
+            vec![(1.0, [&x[0], &y[0], &z[0]]), (0.5, [&x[0], &y[1], &z[0]]), (0.25, [&x[0], &y[0], &z[1]])]
+        }
+
+        fn assembled(&self, planes: Range<usize>) -> Assembled {
+            let mut a = Assembled::new(self.shape(), planes).unwrap();
+            a.add_bands(&Workers::caller_only(), &self.products());
+            a
+        }
+
+        fn blocks(&self, own: bool, workers: &Workers) -> Blocks {
+            let (shape, n) = (self.shape(), self.shape().iter().product());
+            let mut blocks = Blocks::new(shape, &self.assembled(0..shape[0]).diagonal().unwrap()).unwrap();
+            let operators = [self.products(), self.products()];
+            let kinds = Kinds { own: &vec![own; n], second: &vec![false; n], operators };
+            for planes in Blocks::windows(shape) {
+                blocks.add(&self.assembled(planes), &kinds, workers).unwrap();
+            }
+            blocks
+        }
+    }
+
+    fn numbers(n: usize, seed: u64) -> Vec<f64> {
+        let mut random = SplitMix64::new(seed);
+        (0..n).map(|_| random.between(-1.0, 1.0)).collect()
+    }
+
+    #[test]
+    fn the_inverse_is_the_sum_of_those_of_the_blocks_with_factors_of_their_own_or_shared() {
+        for cells in [[0, 1, 1], [0, 5, 8], [1, 1, 1], [2, 3, 4], [22, 1, 2]] {
+            let squares = Squares::new(cells);
+            let shape = squares.shape();
+            let a = squares.assembled(0..shape[0]);
+            let r = numbers(shape.iter().product(), 1);
+            let mut expected = vec![0.0; r.len()];
+            let edge = shape.map(|n| n.min(EDGE));
+            for (i, j, k) in starts(shape[0])
+                .into_iter()
+                .flat_map(|i| starts(shape[1]).into_iter().map(move |j| (i, j)))
+                .flat_map(|(i, j)| starts(shape[2]).into_iter().map(move |k| (i, j, k)))
+            {
+                let n = edge.iter().product();
+                let member = |m: usize| [i + m / (edge[1] * edge[2]), j + m / edge[2] % edge[1], k + m % edge[2]];
+                let index = |p: [usize; 3]| (p[0] * shape[1] + p[1]) * shape[2] + p[2];
+                let lower = (0..n).flat_map(|p| (0..=p).map(move |q| (p, q)));
+                let rows = lower.map(|(p, q)| a.entry(member(p), member(q))).collect();
+                let mut b: Vec<f64> = (0..n).map(|m| r[index(member(m))]).collect();
+                Cholesky::new(n, rows, 0.0).solve(&mut b);
+                (0..n).for_each(|m| expected[index(member(m))] += b[m]);
+            }
+            let size = expected.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            for (own, n_threads) in [(true, 1), (true, 2), (false, 1), (false, 2)] {
+                let workers = Workers::new(n_threads).unwrap();
+                let mut z = vec![f64::NAN; r.len()];
+                squares.blocks(own, &workers).apply(&workers, &r, &mut z);
+                // The condition of a block of such squares is some 1e4, its factor's the root of that.
+                let worst = z.iter().zip(&expected).fold(0.0, |m: f64, (z, e)| m.max((z - e).abs()));
+                assert!(worst < 1e-3 * size, "{cells:?} own {own}: {worst:e} of {size:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn instruction_sets_agree_to_rounding() {
+        let n = 64;
+        let mut random = SplitMix64::new(3);
+        let mut rows: Vec<[f64; LANES]> =
+            (0..n * (n + 1) / 2).map(|_| std::array::from_fn(|_| 0.01 * random.unit())).collect();
+        (0..n).for_each(|p| rows[p * (p + 1) / 2 + p] = [1.0; LANES]);
+        let mut portable = rows.clone();
+        dispatch(Factor { rows: &mut rows, n });
+        Factor { rows: &mut portable, n }.run::<crate::isa::Portable>();
+        let close = |a: &f64, b: &f64| (a - b).abs() < 1e-13;
+        assert!(rows.iter().flatten().zip(portable.iter().flatten()).all(|(a, b)| close(a, b)));
+        let factor: Vec<[f32; LANES]> = rows.iter().map(|row| row.map(|x| x as f32)).collect();
+        let mut x: Vec<[f32; LANES]> = (0..n).map(|_| std::array::from_fn(|_| random.unit() as f32)).collect();
+        let mut y = x.clone();
+        dispatch(Solve { factor: &factor, x: &mut x });
+        Solve { factor: &factor, x: &mut y }.run::<crate::isa::Portable>();
+        assert!(x.iter().flatten().zip(y.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-5));
     }
 }

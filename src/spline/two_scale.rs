@@ -182,14 +182,18 @@ mod tests {
                 let x: [f64; 3] = std::array::from_fn(|a| random.between(0.0, n_cells[a] as f64));
                 let half = std::array::from_fn(|a| if halved[a] { 0.5 * x[a] } else { x[a] });
                 let ((sf, uf), (sc, uc)) = (fine.stencil(x), coarse.stencil(half));
-                assert!((sf.value::<crate::isa::Portable>(&f, uf) - sc.value::<crate::isa::Portable>(&c, uc)).abs() < 1e-14, "{n_cells:?} at {x:?}");
+                assert!(
+                    (sf.value::<crate::isa::Portable>(&f, uf) - sc.value::<crate::isa::Portable>(&c, uc)).abs() < 1e-14,
+                    "{n_cells:?} at {x:?}"
+                );
             }
         }
     }
 
     #[test]
     fn restriction_is_the_transpose_of_prolongation() {
-        for (fine, halved) in [([4, 5, 6], [false, true, true]), ([1, 8, 13], [false, true, true]), ([10, 4, 9], [true; 3])]
+        for (fine, halved) in
+            [([4, 5, 6], [false, true, true]), ([1, 8, 13], [false, true, true]), ([10, 4, 9], [true; 3])]
         {
             let workers = Workers::new(2).unwrap();
             let mut two = TwoScale::new(fine, halved).unwrap();
