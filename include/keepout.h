@@ -507,8 +507,10 @@ typedef struct ko_fit_report {
      */
     uint64_t n_outliers;
     /**
-     * Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
-     * which `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
+     * Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
+     * open ones: beyond their rim and far from them the sign of phi is one of many; `ko_cloud_sides` tells where. Not a number
+     * where distance_weight was 0, and for a field that was
+     * loaded or made.
      */
     double clear_sides;
 } ko_fit_report;
@@ -794,8 +796,8 @@ int32_t ko_cloud_set_weights(struct ko_cloud *cloud,
  * Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
  * clearly behind them, between where an open shape has no clear side: around its rim and far from it.
  *
- * 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides at the
- * nearest point. Where it is small, so is the meaning of a field's sign.
+ * 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides of
+ * the surface nearby. Where it is small, so is the meaning of a field's sign.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY. Threads: any number at once.
  * Cost: O(N log N) with about 500 bytes for each of the cloud's N points, and then some 10 microseconds a point: ask for many at once.
  */

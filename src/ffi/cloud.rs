@@ -139,8 +139,8 @@ pub unsafe extern "C" fn ko_cloud_set_weights(cloud: *mut ko_cloud, weights: *co
 /// Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
 /// clearly behind them, between where an open shape has no clear side: around its rim and far from it.
 ///
-/// 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides at the
-/// nearest point. Where it is small, so is the meaning of a field's sign.
+/// 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides of
+/// the surface nearby. Where it is small, so is the meaning of a field's sign.
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY. Threads: any number at once.
 /// Cost: O(N log N) with about 500 bytes for each of the cloud's N points, and then some 10 microseconds a point: ask for many at once.
 #[unsafe(no_mangle)]

@@ -132,8 +132,10 @@ pub struct ko_fit_report {
     pub mean_gradient: f64,
     /// Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
     pub n_outliers: u64,
-    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
-    /// which `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
+    /// Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
+    /// open ones: beyond their rim and far from them the sign of phi is one of many; `ko_cloud_sides` tells where. Not a number
+    /// where distance_weight was 0, and for a field that was
+    /// loaded or made.
     pub clear_sides: f64,
 }
 

@@ -11,15 +11,15 @@
 //!
 //! x a cell's centre, h the longest cell edge. phi then follows d over lengths above h / w^(1/4) and rounds its kinks below. d is the
 //! distance to the nearest point of the cloud, with the sign of t - 2 W, W the winding number of its surfels, and s = (t - 2 W)^2, at
-//! most 1, fades the term out where an open shape has no clear side. t is 1 where the normals point out of a solid: W is 1 inside and 0
-//! outside. Around a cavity, where they point inwards, W is -1 inside and 0 outside, and t is -1, so that d is positive where the normals
-//! point to.
+//! most 1, fades the term out where an open shape has no clear side. t is 2 W_s, W_s the mean of W on both sides of the surface nearby:
+//! see [`sides`](crate::geometry::sides). It is 1 where the normals point out of a solid: W is 1 inside and 0 outside; -1 around a cavity,
+//! where they point inwards and W is -1 inside and 0 outside; 0 beside a flat sheet, where W is 1/2 behind and -1/2 before it. So d is
+//! positive where the normals point to.
 
 use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
-use crate::geometry::neighbours::{Neighbour, Neighbours};
-use crate::geometry::vec::{dot, sub};
+use crate::geometry::sides::{Beside, NearSides};
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::spline::Grid;
@@ -31,7 +31,7 @@ use crate::spline::gram::{Band, band_of_places};
 /// Distance from the surface, in cells, from which on the term counts.
 const NEAREST: f64 = 1.0;
 
-/// s from which on a cell's side is clear: |t - 2 W| is a half.
+/// s from which on a cell's side counts as clear: |t - 2 W| is a half.
 const CLEAR: f64 = 0.25;
 
 /// Distances to hold far from the surface, a cell each.
@@ -45,7 +45,7 @@ pub struct FarDistances {
 }
 
 impl FarDistances {
-    /// The part of the far cells on whose side of the cloud there is no doubt: 1 for closed shapes.
+    /// The part of the far cells on whose side of the cloud there is little doubt: 1 for closed shapes.
     pub fn clear(&self) -> f64 {
         self.clear
     }
@@ -60,42 +60,33 @@ impl FarDistances {
     ) -> Result<Self> {
         const CHUNK: usize = 1024;
         const ROUND: usize = 32;
+        tell(0.0)?;
         let n = grid.n_cells().iter().product();
-        // Copies of a point have no room between them, and their surfels no area.
-        let cloud = cloud.without_copies()?;
-        let points = Neighbours::new(cloud.points())?;
-        let surfels = cloud.surfels(&points)?;
-        let sides = surfels.distance_tree()?;
+        let sides = NearSides::new(cloud, workers)?;
+        let whole = sides.everywhere();
         let near = NEAREST * grid.longest_cell();
         let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
         let mut chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
         // Some chunks at a time, so that the caller hears of them.
         for done in (0..n).step_by(ROUND * CHUNK) {
             tell(done as f64 / n as f64)?;
-            workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
-                for (i, (d, s)) in distance.iter_mut().zip(share).enumerate() {
-                    let x = center(grid, chunk * CHUNK + i);
-                    let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
-                    points.nearest(x, |_| true, &mut nearest);
-                    *d = nearest[0].distance_squared.sqrt();
+            workers.try_for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
+                for (i, (d, s)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share)) {
+                    let x = center(grid, i);
+                    *d = sides.distance(x);
                     if *d > near {
-                        let i = nearest[0].index as usize;
-                        *d = d.copysign(dot(sub(x, cloud.points()[i]), cloud.normals()[i]));
-                        *s = sides.winding_number(x);
+                        let side = turn(sides.beside(x), whole) - 2.0 * sides.winding_number(x)?;
+                        *d = d.copysign(side);
+                        *s = (side * side).min(1.0) / n as f64;
                     }
                 }
-            });
+                Ok(())
+            })?;
         }
-        // From here on, d is signed by the nearest normal, and W stands in the place of s.
-        let t = turn(distance.iter().zip(&share).filter(|(d, _)| d.abs() > near));
         let (mut n_far, mut n_clear) = (0u64, 0u64);
-        for (d, s) in distance.iter_mut().zip(&mut share).filter(|(d, _)| d.abs() > near) {
-            let clear = t - 2.0 * *s;
-            *d = d.copysign(clear);
-            let size = (clear * clear).min(1.0);
-            *s = size / n as f64;
+        for (_, s) in distance.iter().zip(&share).filter(|(d, _)| d.abs() > near) {
             n_far += 1;
-            n_clear += u64::from(size >= CLEAR);
+            n_clear += u64::from(s * n as f64 >= CLEAR);
         }
         let clear = if n_far == 0 { 1.0 } else { n_clear as f64 / n_far as f64 };
         Ok(FarDistances { share, distance, clear })
@@ -112,13 +103,19 @@ fn center<const D: usize>(grid: &Grid<D>, mut c: usize) -> [f64; D] {
     x
 }
 
-/// t: -1 where three quarters of the places outside, where W is about 0, lie behind the normals nearest to them; 1 elsewhere. Each `far`
-/// place comes as its distance, signed by the nearest normal, and W. One normal errs beyond a sharp edge; most do not.
-fn turn<'a>(far: impl Iterator<Item = (&'a f64, &'a f64)>) -> f64 {
-    let (before, behind) = far.filter(|(_, w)| w.abs() < 0.25).fold((0u64, 0u64), |(before, behind), (d, _)| {
-        if d.is_sign_positive() { (before + 1, behind) } else { (before, behind + 1) }
-    });
-    if behind > 3 * before { -1.0 } else { 1.0 }
+/// t, of W `beside` the surface, and W_s of the `whole` surface on average. W_s of a closed shape is 1/2, of a cavity -1/2; of a cloud that
+/// stands for one it comes out from 0.3 to 0.55, and 1 or -1 is wanted. Above 1/2 it is where one part lies in another, and each part's
+/// inside shall stay infeasible.
+///
+/// Wrong normals shall do no more harm than they must. Where W hardly jumps, they contradict each other, or a part of a closed shape is
+/// thin: then t is that of the whole. And what turns the other way in a whole that is closed is taken for a patch of wrong normals.
+fn turn(beside: Beside, whole: Beside) -> f64 {
+    let closed = whole.mean.abs() > 0.25;
+    let of_whole = if closed { whole.mean.signum() } else { 1.0 };
+    let own = (4.0 * beside.mean).clamp(-1.0, 1.0);
+    let own = if closed { own.abs() * of_whole } else { own };
+    let trust = (4.0 * beside.jump - 1.0).clamp(0.0, 1.0);
+    of_whole + trust * (own - of_whole)
 }
 
 /// The term on one grid: sum of mass (phi - d)^2 over the centres of cells.

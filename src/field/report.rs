@@ -11,8 +11,10 @@ pub struct FitReport {
     pub n_unknowns: u64,
     /// Points that a robust fit left out at last.
     pub n_outliers: u64,
-    /// Of the cells farther than one from the points, the part on whose side there is no doubt: 1 for closed shapes, less for most open ones, of
-    /// which [`crate::geometry::sides`] tells where. NaN where no distances were held, and for a field that was loaded or made.
+    /// Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
+    /// open ones: beyond their rim and far from them the sign of phi is one of many; [`crate::geometry::sides`] tells
+    /// where. NaN where no distances were held, and for a field that was
+    /// loaded or made.
     pub clear_sides: f64,
     /// Iterations of conjugate gradients, over all rounds of reweighting.
     pub iterations: u32,

@@ -218,3 +218,77 @@ fn a_lattice_of_which_nothing_is_wanted_costs_nothing() {
     let lattice = Lattice::new([0.0; 2], &[[1e-12, 0.0], [0.0, 1e-12]], &[1 << 28, 1 << 28]).unwrap();
     field.eval_lattice(&lattice, None, None, 1, &mut Progress::silent()).unwrap();
 }
+
+/// Checks the signs of a field fitted to `points` with their normals, at 0.02 D before and behind those of `probes`.
+fn has_both_sides_at<const D: usize>(points: Vec<([f64; D], [f64; D])>, probes: &[([f64; D], [f64; D])]) {
+    let (points, normals) = points.into_iter().unzip();
+    let cloud = Cloud::new(points, normals).unwrap();
+    let field = Field::fit(&cloud, &FitOptions::default(), &mut Progress::silent()).unwrap();
+    for (p, n) in probes {
+        for off in [-0.02, 0.02].map(|off| off * field.diagonal()) {
+            let mut phi = [0.0];
+            field.eval(&[add(*p, scale(off, *n))], Outputs { values: Some(&mut phi), ..Outputs::default() }).unwrap();
+            assert!((phi[0] / off - 1.0).abs() < 0.2, "{} at {off} from {p:?}", phi[0]);
+        }
+    }
+}
+
+#[test]
+fn open_curves_have_both_sides() {
+    let up = |x: f64| ([x, 0.0], [0.0, 1.0]);
+    // An angle of 90 degrees, normals to its inner side or its outer one.
+    let bent = |x: f64, s: f64| if x < 0.5 { ([2.0 * x, 0.0], [0.0, s]) } else { ([1.0, 2.0 * x - 1.0], [-s, 0.0]) };
+    let arc = |x: f64, s: f64| ([(3.0 * x).cos(), (3.0 * x).sin()], [s * (3.0 * x).cos(), s * (3.0 * x).sin()]);
+    for n in [50, 200, 1000] {
+        let all = || (0..n).map(|i| (f64::from(i) + 0.5) / f64::from(n));
+        has_both_sides_at(all().map(up).collect(), &[0.2, 0.5, 0.8].map(up));
+        for s in [1.0, -1.0] {
+            has_both_sides_at(all().map(|x| bent(x, s)).collect(), &[0.1, 0.3, 0.7, 0.9].map(|x| bent(x, s)));
+            has_both_sides_at(all().map(|x| arc(x, s)).collect(), &[0.1, 0.5, 0.9].map(|x| arc(x, s)));
+        }
+    }
+}
+
+#[test]
+fn open_sheets_have_both_sides() {
+    for n in [30, 70] {
+        let at = |i: i32, n: i32| (f64::from(i) + 0.5) / f64::from(n);
+        let sheet = |n: i32| (0..n * n).map(move |i| ([at(i % n, n), at(i / n, n), 0.0], [0.0, 0.0, 1.0]));
+        has_both_sides_at(sheet(n).collect(), &sheet(5).collect::<Vec<_>>());
+        let ball = crate::geometry::shapes::sphere([0.0; 3], 1.0, 4).unwrap().sample(2 * (n * n) as usize, 1).unwrap();
+        for s in [1.0, -1.0] {
+            let above = |z: f64| ball.points().iter().filter(move |p| p[2] > z).map(move |p| (*p, scale(s, *p)));
+            has_both_sides_at(above(0.0).collect(), &above(0.2).take(50).collect::<Vec<_>>());
+        }
+    }
+}
+
+#[test]
+fn parts_within_parts_and_cavities_keep_their_sides() {
+    let parts = [([0.0, 0.0], 1.0), ([0.0, 0.0], 0.5), ([3.0, 0.0], 1.0)].map(|(c, r)| circle(c, r, 400).unwrap());
+    let [outer, inner, beside] = parts.map(|m| m.sample(400, 1).unwrap());
+    let fit_to = |parts: &[(&Cloud<2>, f64)]| {
+        let points = parts.iter().flat_map(|(c, _)| c.points().to_vec()).collect();
+        let normals = parts.iter().flat_map(|(c, s)| c.normals().iter().map(|n| scale(*s, *n)).collect::<Vec<_>>());
+        fit(&Cloud::new(points, normals.collect()).unwrap(), &FitOptions::default())
+    };
+    let far = [[1.5, 0.9], [0.75, 0.0], [0.0, 0.0], [3.0, 0.0]];
+    // A ring and a disk beside it; a cavity with a pillar and another cavity.
+    for (signs, side) in [([1.0, -1.0, 1.0], 1.0), ([-1.0, 1.0, -1.0], -1.0)] {
+        let field = fit_to(&[(&outer, signs[0]), (&inner, signs[1]), (&beside, signs[2])]);
+        for (p, right) in far.iter().zip([1.0, -1.0, 1.0, -1.0]) {
+            let phi = jet(&field, *p).0;
+            assert!(phi * right * side > 0.1, "{phi} at {p:?}");
+        }
+        assert_eq!(field.report().clear_sides, 1.0);
+    }
+}
+
+#[test]
+fn a_straight_curve_beside_a_closed_one_has_both_sides() {
+    let disk = circle([0.0, 0.0], 1.0, 400).unwrap().sample(400, 1).unwrap();
+    let wall = |y: f64| ([2.0, y], [1.0, 0.0]);
+    let mut points: Vec<_> = disk.points().iter().copied().zip(disk.normals().iter().copied()).collect();
+    points.extend((0..200).map(|i| wall(0.01 * f64::from(i) - 1.0)));
+    has_both_sides_at(points, &[-0.7, 0.0, 0.7].map(wall));
+}

@@ -49,6 +49,11 @@ impl<const D: usize> Neighbours<D> {
         Ok(Neighbours { tree, points: in_order, lowest })
     }
 
+    /// The points by index, those near each other mostly in succession.
+    pub fn order(&self) -> &[u32] {
+        &self.tree.order
+    }
+
     /// Fills `nearest` with the neighbours of `p` among the points that `accept` takes, nearest first, ties by index; gives how many there
     /// are, fewer than asked for where no more are accepted.
     pub fn nearest(&self, p: [f64; D], accept: impl Fn(usize) -> bool, nearest: &mut [Neighbour]) -> usize {

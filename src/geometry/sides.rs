@@ -1,7 +1,7 @@
 //! The sides of a cloud, and how far they mean something: for shapes that may be open.
 //!
 //! The generalised winding number W of the cloud's surfels (see [`surfels`](super::surfels)) falls by 1 where one goes through the surface
-//! along a normal. So with W_s its mean of both sides at the points of the cloud nearest to x,
+//! along a normal. So with W_s its mean of both sides of the surface near x,
 //!
 //! ```text
 //! side(x) = 2 (W_s - W(x))
@@ -15,24 +15,31 @@ use super::neighbours::{Neighbour, Neighbours};
 use super::unit::Unit;
 use super::vec::{add, is_finite, norm, scale, sub, text};
 use super::{Cloud, Mesh};
-use crate::error::try_with_capacity;
+use crate::error::{try_vec, try_with_capacity};
+use crate::par::Workers;
 use crate::{Error, Result};
 
-/// Points that W_s is the mean of: one beside a sharp edge, where surfels leave gaps, would tell too little.
-const POINTS: usize = 16;
+/// Probes that W_s is the mean of: one beside a sharp edge, where surfels leave gaps, would tell too little.
+const PROBES: usize = 16;
+
+/// One point in so many is a probe, where the cloud has enough for that: W_s is much the same all over a part, and the mean over a wider
+/// part is the steadier one. Of closed shapes, with sharp edges or thin, from 100 to 25,000 points, 2 W_s so comes out from 0.6 to 1.1, in
+/// the plane, where surfels fit together, from 0.89 to 1.02.
+const fn points_a_probe<const D: usize>() -> usize {
+    if D == 2 { 1 } else { 16 }
+}
 
 /// Distance from a surfel, in its size, at which both sides are asked for W.
 const BESIDE: f64 = 1e-3;
+
+/// The same for a jump that contradicting normals do not have: their surfels are larger, and cover each other.
+const AWAY: f64 = 1.0;
 
 /// A cloud prepared to tell its sides.
 #[derive(Debug)]
 pub struct Sides<const D: usize = 3> {
     unit: Unit,
-    /// Of size 1, without copies.
-    points: Neighbours<D>,
-    surfels: Mesh<D>,
-    /// Mean of W on both sides of each point.
-    both_sides: Vec<f64>,
+    near: NearSides<D>,
 }
 
 impl<const D: usize> Cloud<D> {
@@ -43,18 +50,8 @@ impl<const D: usize> Cloud<D> {
         points.extend(self.points().iter().map(|p| scale(unit.shrink, *p)));
         let mut normals = try_with_capacity(self.len(), "the normals")?;
         normals.extend_from_slice(self.normals());
-        let cloud = Cloud::new(points, normals)?.without_copies()?;
-        let points = Neighbours::new(cloud.points())?;
-        let surfels = cloud.surfels(&points)?;
-        let tree = surfels.distance_tree()?;
-        let mut both_sides = try_with_capacity(cloud.len(), "the winding numbers of the points")?;
-        both_sides.extend((0..cloud.len()).map(|i| {
-            let [a, b] = [0, 1].map(|k| surfels.corners(i)[k]);
-            let beside = scale(BESIDE * norm(sub(a, b)), cloud.normals()[i]);
-            let p = cloud.points()[i];
-            0.5 * (tree.winding_number(add(p, beside)) + tree.winding_number(sub(p, beside)))
-        }));
-        Ok(Sides { unit, points, surfels, both_sides })
+        let near = NearSides::new(Cloud::new(points, normals)?, &Workers::caller_only())?;
+        Ok(Sides { unit, near })
     }
 }
 
@@ -72,17 +69,109 @@ impl<const D: usize> Sides<D> {
             let p = text(&points[i]);
             return Err(Error::InvalidArgument(format!("point {i} is {p}; coordinates must be finite")));
         }
-        let tree = self.surfels.distance_tree()?;
         for (p, side) in points.iter().zip(sides) {
             // Farther than this the cloud is a point, and has no sides but a closed shape's outside.
             let x = p.map(|x| (self.unit.shrink * x).clamp(-1e100, 1e100));
-            let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }; POINTS];
-            let found = self.points.nearest(x, |_| true, &mut nearest);
-            let sum: f64 = nearest[..found].iter().map(|n| self.both_sides[n.index as usize]).sum();
-            *side = (2.0 * (sum / found as f64 - tree.winding_number(x))).clamp(-1.0, 1.0);
+            *side = (2.0 * (self.near.beside(x).mean - self.near.winding_number(x)?)).clamp(-1.0, 1.0);
         }
         Ok(())
     }
+}
+
+/// The sides of a cloud whose coordinates are of a size of about 1.
+#[derive(Debug)]
+pub(crate) struct NearSides<const D: usize> {
+    /// Without copies.
+    points: Neighbours<D>,
+    surfels: Mesh<D>,
+    /// Points at which W beside the surface is known.
+    probes: Neighbours<D>,
+    /// [probes]
+    beside: Vec<Beside>,
+}
+
+/// W on both sides of the surface at a place, each the mean over some points there.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Beside {
+    /// W_s.
+    pub mean: f64,
+    /// How much W falls through the surface from the points' spacing behind it to as much before it: 1, but less where the surface has
+    /// another so near behind it, and about 0 where normals contradict each other.
+    pub jump: f64,
+}
+
+impl<const D: usize> NearSides<D> {
+    /// The sides of `cloud`.
+    pub fn new(cloud: Cloud<D>, workers: &Workers) -> Result<Self> {
+        const CHUNK: usize = 256;
+        // Copies of a point have no room between them, and their surfels no area.
+        let cloud = cloud.without_copies()?;
+        let points = Neighbours::new(cloud.points())?;
+        let surfels = cloud.surfels(&points)?;
+        let tree = surfels.distance_tree()?;
+
+        let step = (cloud.len() / (8 * PROBES)).clamp(1, points_a_probe::<D>());
+        let mut chosen = try_with_capacity(cloud.len().div_ceil(step), "the probes")?;
+        chosen.extend(points.order().iter().step_by(step).map(|i| *i as usize));
+        let mut of_one = try_vec(chosen.len(), Beside::default(), "the winding numbers of the probes")?;
+        workers.for_each(of_one.chunks_mut(CHUNK).zip(chosen.chunks(CHUNK)), |(of_one, chosen)| {
+            for (w, &i) in of_one.iter_mut().zip(chosen) {
+                let (p, size) = (cloud.points()[i], norm(sub(surfels.corners(i)[0], surfels.corners(i)[1])));
+                let [[before, behind], [far_before, far_behind]] = [BESIDE, AWAY].map(|off| {
+                    let off = scale(off * size, cloud.normals()[i]);
+                    [add(p, off), sub(p, off)].map(|x| tree.winding_number(x))
+                });
+                *w = Beside { mean: 0.5 * (before + behind), jump: far_behind - far_before };
+            }
+        });
+
+        let mut places = try_with_capacity(chosen.len(), "the probes")?;
+        places.extend(chosen.iter().map(|&i| cloud.points()[i]));
+        let probes = Neighbours::new(&places)?;
+        let mut beside = try_vec(chosen.len(), Beside::default(), "the winding numbers of the probes")?;
+        workers.for_each(beside.chunks_mut(CHUNK).zip(places.chunks(CHUNK)), |(beside, places)| {
+            for (w, p) in beside.iter_mut().zip(places) {
+                let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }; PROBES];
+                let found = probes.nearest(*p, |_| true, &mut nearest);
+                *w = mean(nearest[..found].iter().map(|n| of_one[n.index as usize]));
+            }
+        });
+        Ok(NearSides { points, surfels, probes, beside })
+    }
+
+    /// Distance from `x` to the nearest point.
+    pub fn distance(&self, x: [f64; D]) -> f64 {
+        nearest(&self.points, x).distance_squared.sqrt()
+    }
+
+    /// W, to about 0.1.
+    pub fn winding_number(&self, x: [f64; D]) -> Result<f64> {
+        Ok(self.surfels.distance_tree()?.winding_number(x))
+    }
+
+    /// W on both sides of the surface near `x`.
+    pub fn beside(&self, x: [f64; D]) -> Beside {
+        self.beside[nearest(&self.probes, x).index as usize]
+    }
+
+    /// The mean over the whole surface.
+    pub fn everywhere(&self) -> Beside {
+        mean(self.beside.iter().copied())
+    }
+}
+
+/// The mean of each figure.
+fn mean(all: impl ExactSizeIterator<Item = Beside>) -> Beside {
+    let n = all.len() as f64;
+    let sum = all.fold(Beside::default(), |a, b| Beside { mean: a.mean + b.mean, jump: a.jump + b.jump });
+    Beside { mean: sum.mean / n, jump: sum.jump / n }
+}
+
+/// The point of `tree` nearest to `x`.
+fn nearest<const D: usize>(tree: &Neighbours<D>, x: [f64; D]) -> Neighbour {
+    let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
+    tree.nearest(x, |_| true, &mut nearest);
+    nearest[0]
 }
 
 #[cfg(test)]
