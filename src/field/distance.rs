@@ -176,23 +176,23 @@ impl<const D: usize> DistanceTerm<D> {
     }
 
     /// y += (the term's matrix) x
-    pub fn apply(&mut self, x: &[f64], y: &mut [f64]) {
-        self.centers.gather(&Taps::values(), x, &mut self.values);
+    pub fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        self.centers.gather(workers, &Taps::values(), x, &mut self.values);
         self.values.iter_mut().zip(&self.mass).for_each(|(v, m)| *v *= m);
-        self.centers.scatter(&Taps::values(), &self.values, y);
+        self.centers.scatter(workers, &Taps::values(), &self.values, y);
     }
 
     /// y += the right-hand side that asks for `sign` d.
-    pub fn add_right_hand_side(&mut self, sign: f64, y: &mut [f64]) {
+    pub fn add_right_hand_side(&mut self, workers: &Workers, sign: f64, y: &mut [f64]) {
         for ((v, m), d) in self.values.iter_mut().zip(&self.mass).zip(&self.distance) {
             *v = m * sign * d;
         }
-        self.centers.scatter(&Taps::values(), &self.values, y);
+        self.centers.scatter(workers, &Taps::values(), &self.values, y);
     }
 
     /// y += the diagonal of the term's matrix.
-    pub fn add_diagonal(&mut self, y: &mut [f64]) {
-        self.centers.scatter(&Taps::squares(), &self.mass, y);
+    pub fn add_diagonal(&mut self, workers: &Workers, y: &mut [f64]) {
+        self.centers.scatter(workers, &Taps::squares(), &self.mass, y);
     }
 }
 

@@ -87,7 +87,7 @@ impl<const D: usize> Energy<D> {
             return Err(Error::Degenerate(text.into()));
         }
         if let Some(distance) = &mut self.terms.distance {
-            distance.add_right_hand_side(sign, &mut b);
+            distance.add_right_hand_side(workers, sign, &mut b);
         }
         Ok(b)
     }

@@ -58,7 +58,7 @@ impl<const D: usize> Terms<D> {
         self.smoothness.apply(workers, x, y);
         data.apply(&self.view, workers, x, y);
         if let Some(distance) = &mut self.distance {
-            distance.apply(x, y);
+            distance.apply(workers, x, y);
         }
     }
 
@@ -68,7 +68,7 @@ impl<const D: usize> Terms<D> {
         self.smoothness.add_diagonal(&mut d);
         data.add_diagonal(&self.view, workers, &mut d);
         if let Some(distance) = &mut self.distance {
-            distance.add_diagonal(&mut d);
+            distance.add_diagonal(workers, &mut d);
         }
         Ok(d)
     }
@@ -108,7 +108,7 @@ impl<const D: usize> Terms<D> {
         let unit: Band = Gram::of_no_axis().order[0].clone();
         let uniform = match &mut self.distance {
             Some(distance) => {
-                distance.add_diagonal(&mut by_distance);
+                distance.add_diagonal(workers, &mut by_distance);
                 Some(distance.uniform()?)
             }
             None => None,

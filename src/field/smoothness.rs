@@ -11,6 +11,7 @@
 
 use crate::Result;
 use crate::error::try_vec;
+use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::spline::Grid;
 use crate::spline::gram::{Band, Gram, HALF_BAND, columns};
@@ -22,31 +23,40 @@ pub struct Smoothness {
     shape: [usize; 3],
     gram: [Gram; 3],
     factor: f64,
-    /// Six tensors: the factors along z, and the sums along y and z that go with A2, A1, A0.
+    /// The matrices along z by distances, lines as long as those of the tensors below: entry (k, k + d - 3) of order o at `[o][d][k]`.
+    along_z: [[Vec<f64>; 2 * HALF_BAND + 1]; 3],
+    /// Six tensors: the factors along z, and the sums along y and z that go with A2, A1, A0. Their lines end at a multiple of four.
     scratch: [Vec<f64>; 6],
 }
 
 impl Smoothness {
     /// The operator on `grid`, in units of D.
     pub fn new<const D: usize>(grid: &Grid<D>, weight: f64) -> Result<Self> {
-        let (mut shape, mut gram) = ([1; 3], std::array::from_fn(|_| Gram::of_no_axis()));
+        let mut gram = std::array::from_fn(|_| Gram::of_no_axis());
         for (a, axis) in grid.axes.iter().enumerate() {
-            shape[a + 3 - D] = axis.n_control();
             gram[a + 3 - D] = Gram::new(axis.n_cells, axis.cell)?;
         }
         let volume: f64 = grid.axes.iter().map(|a| a.n_cells as f64 * a.cell).product();
-        Ok(Smoothness { shape, gram, factor: weight / volume, scratch: Default::default() })
+        Smoothness::of(gram, weight / volume)
+    }
+
+    fn of(gram: [Gram; 3], factor: f64) -> Result<Self> {
+        let shape: [usize; 3] = std::array::from_fn(|a| gram[a].order[0].len());
+        let mut along_z: [[Vec<f64>; 2 * HALF_BAND + 1]; 3] = Default::default();
+        for (line, (o, d)) in along_z.iter_mut().flatten().zip((0..3).flat_map(|o| (0..7).map(move |d| (o, d)))) {
+            *line = try_vec(shape[2].next_multiple_of(4), 0.0, "the Gram matrices")?;
+            line.iter_mut().zip(&gram[2].order[o]).for_each(|(to, row)| *to = row[d]);
+        }
+        Ok(Smoothness { shape, gram, factor, along_z, scratch: Default::default() })
     }
 
     /// The operator on the grid with the axes coarsened for which `halved` is true: integrated over the same box.
     pub fn coarser(&self, halved: [bool; 3]) -> Result<Self> {
-        let mut coarse =
-            Smoothness { shape: self.shape, gram: self.gram.clone(), factor: self.factor, scratch: Default::default() };
+        let mut gram = self.gram.clone();
         for a in (0..3).filter(|a| halved[*a]) {
-            coarse.gram[a] = coarser_gram(&self.gram[a])?;
-            coarse.shape[a] = coarse.gram[a].order[0].len();
+            gram[a] = coarser_gram(&self.gram[a])?;
         }
-        Ok(coarse)
+        Smoothness::of(gram, self.factor)
     }
 
     /// Control points along x, y, z.
@@ -69,7 +79,8 @@ impl Smoothness {
 
     /// Takes the memory that [`Smoothness::apply`] works in.
     pub fn reserve(&mut self) -> Result<()> {
-        let n: usize = self.shape.iter().product();
+        let [nx, ny, nz] = self.shape;
+        let n = nx * ny * nz.next_multiple_of(4);
         for tensor in self.scratch.iter_mut().filter(|tensor| tensor.len() != n) {
             *tensor = try_vec(n, 0.0, "the work space of the regularisation")?;
         }
@@ -79,32 +90,19 @@ impl Smoothness {
     /// y = (the operator's matrix) x
     pub fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
         let [_, ny, nz] = self.shape;
-        let plane = ny * nz;
-        let [gx, gy, gz] = &self.gram;
+        let plane = ny * nz.next_multiple_of(4);
+        let [gx, gy, _] = &self.gram;
+        let (along_z, factor) = (&self.along_z, self.factor);
         let [c0, c1, c2, s2, s1, s0] = &mut self.scratch;
-        let along_z = c0.chunks_mut(plane).zip(c1.chunks_mut(plane)).zip(c2.chunks_mut(plane));
         let along_y = s2.chunks_mut(plane).zip(s1.chunks_mut(plane)).zip(s0.chunks_mut(plane));
-        workers.for_each(x.chunks(plane).zip(along_z).zip(along_y), |((x, ((c0, c1), c2)), ((s2, s1), s0))| {
-            for (x, ((c0, c1), c2)) in x.chunks(nz).zip(c0.chunks_mut(nz).zip(c1.chunks_mut(nz)).zip(c2.chunks_mut(nz)))
-            {
-                band_line(&gz.order, x, [c0, c1, c2]);
-            }
-            [&mut *s2, &mut *s1, &mut *s0].into_iter().for_each(|s| s.fill(0.0));
-            for j in 0..ny {
-                let row = j * nz..(j + 1) * nz;
-                band_rows(&gy.order[0], j, 1.0, c0, &mut s2[row.clone()]);
-                band_rows(&gy.order[1], j, 2.0, c0, &mut s1[row.clone()]);
-                band_rows(&gy.order[0], j, 2.0, c1, &mut s1[row.clone()]);
-                band_rows(&gy.order[2], j, 1.0, c0, &mut s0[row.clone()]);
-                band_rows(&gy.order[1], j, 2.0, c1, &mut s0[row.clone()]);
-                band_rows(&gy.order[0], j, 1.0, c2, &mut s0[row]);
-            }
+        let factors = c0.chunks_mut(plane).zip(c1.chunks_mut(plane)).zip(c2.chunks_mut(plane));
+        workers.for_each(x.chunks(ny * nz).zip(factors).zip(along_y), |((x, ((c0, c1), c2)), ((s2, s1), s0))| {
+            dispatch(AlongZ { bands: along_z, x, nz, to: [c0, c1, c2] });
+            dispatch(AlongY { bands: &gy.order, from: [c0, c1, c2], ny, to: [s2, s1, s0] });
         });
-        workers.for_each(y.chunks_mut(plane).enumerate(), |(i, y)| {
-            y.fill(0.0);
-            band_rows(&gx.order[2], i, self.factor, s2, y);
-            band_rows(&gx.order[1], i, self.factor, s1, y);
-            band_rows(&gx.order[0], i, self.factor, s0, y);
+        let sums = [&**s2, &**s1, &**s0];
+        workers.for_each(y.chunks_mut(ny * nz).enumerate(), |(i, y)| {
+            dispatch(AlongX { bands: &gx.order, i, from: sums, plane, factor, nz, y });
         });
     }
 
@@ -126,24 +124,126 @@ impl Smoothness {
     }
 }
 
-/// to_k = band_k from for the three orders k, along contiguous numbers.
-fn band_line(bands: &[Band; 3], from: &[f64], to: [&mut [f64]; 3]) {
-    let n = from.len();
-    for (band, to) in bands.iter().zip(to) {
-        for (i, to) in to.iter_mut().enumerate() {
-            let columns = columns(i, n);
-            let entries = &band[i][columns.start + HALF_BAND - i..];
-            *to = from[columns].iter().zip(entries).map(|(x, a)| a * x).sum();
+/// Numbers of a Band's row.
+const WIDTH: usize = 2 * HALF_BAND + 1;
+
+#[inline(always)]
+fn four(x: &[f64], k: usize) -> &[f64; 4] {
+    x[k..k + 4].try_into().expect("a slice of four")
+}
+
+#[inline(always)]
+fn four_mut(x: &mut [f64], k: usize) -> &mut [f64; 4] {
+    (&mut x[k..k + 4]).try_into().expect("a slice of four")
+}
+
+/// The lines of one plane times the matrices along z, of the three orders.
+struct AlongZ<'a> {
+    bands: &'a [[Vec<f64>; WIDTH]; 3],
+    /// Lines of `nz`.
+    x: &'a [f64],
+    nz: usize,
+    /// Lines that end at a multiple of four.
+    to: [&'a mut [f64]; 3],
+}
+
+impl Kernel for AlongZ<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AlongZ { bands, x, nz, to } = self;
+        let rounded = nz.next_multiple_of(4);
+        // A line of x with zeros around, so that products need not look where it ends.
+        let mut line = vec![0.0; rounded + 2 * HALF_BAND];
+        for (j, x) in x.chunks_exact(nz).enumerate() {
+            line[HALF_BAND..HALF_BAND + nz].copy_from_slice(x);
+            for k in (0..rounded).step_by(4) {
+                let x: [I::Four; WIDTH] = std::array::from_fn(|d| I::load(four(&line, k + d)));
+                for o in 0..3 {
+                    let mut sum = I::splat(0.0);
+                    for d in 0..WIDTH {
+                        sum = I::mul_add_4(I::load(four(&bands[o][d], k)), x[d], sum);
+                    }
+                    I::store(sum, four_mut(to[o], j * rounded + k));
+                }
+            }
         }
     }
 }
 
-/// to += factor * (row `i` of the band) from, with rows of `from` as long as `to`.
-fn band_rows(band: &Band, i: usize, factor: f64, from: &[f64], to: &mut [f64]) {
-    let m = to.len();
-    for j in columns(i, band.len()) {
-        let a = factor * band[i][j + HALF_BAND - i];
-        to.iter_mut().zip(&from[j * m..][..m]).for_each(|(t, f)| *t += a * f);
+/// The sums along y that go with A2, A1 and A0, of one plane.
+struct AlongY<'a> {
+    bands: &'a [Band; 3],
+    from: [&'a [f64]; 3],
+    ny: usize,
+    to: [&'a mut [f64]; 3],
+}
+
+impl Kernel for AlongY<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AlongY { bands: [b0, b1, b2], from: [c0, c1, c2], ny, to: [s2, s1, s0] } = self;
+        let n = c0.len() / ny;
+        for j in 0..ny {
+            for k in (0..n).step_by(4) {
+                let [mut t2, mut t1, mut t0] = [I::splat(0.0); 3];
+                for from in columns(j, ny) {
+                    let d = from + HALF_BAND - j;
+                    let [v0, v1, v2] = [c0, c1, c2].map(|c| I::load(four(c, from * n + k)));
+                    let (w0, w1, w2) = (I::splat(b0[j][d]), I::splat(2.0 * b1[j][d]), I::splat(b2[j][d]));
+                    let twice = I::add_4(w0, w0);
+                    t2 = I::mul_add_4(w0, v0, t2);
+                    t1 = I::mul_add_4(w1, v0, I::mul_add_4(twice, v1, t1));
+                    t0 = I::mul_add_4(w2, v0, I::mul_add_4(w1, v1, I::mul_add_4(w0, v2, t0)));
+                }
+                I::store(t2, four_mut(s2, j * n + k));
+                I::store(t1, four_mut(s1, j * n + k));
+                I::store(t0, four_mut(s0, j * n + k));
+            }
+        }
+    }
+}
+
+/// Plane `i` of the product.
+struct AlongX<'a> {
+    bands: &'a [Band; 3],
+    i: usize,
+    /// The sums that go with A2, A1, A0.
+    from: [&'a [f64]; 3],
+    plane: usize,
+    factor: f64,
+    nz: usize,
+    y: &'a mut [f64],
+}
+
+impl Kernel for AlongX<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AlongX { bands: [a0, a1, a2], i, from: [s2, s1, s0], plane, factor, nz, y } = self;
+        let rounded = nz.next_multiple_of(4);
+        for (j, y) in y.chunks_exact_mut(nz).enumerate() {
+            for k in (0..rounded).step_by(4) {
+                let mut sum = I::splat(0.0);
+                for from in columns(i, a0.len()) {
+                    let (d, at) = (from + HALF_BAND - i, from * plane + j * rounded + k);
+                    for (s, a) in [(s2, a2), (s1, a1), (s0, a0)] {
+                        sum = I::mul_add_4(I::splat(factor * a[i][d]), I::load(four(s, at)), sum);
+                    }
+                }
+                if k + 4 <= nz {
+                    I::store(sum, four_mut(y, k));
+                } else {
+                    let mut last = [0.0; 4];
+                    I::store(sum, &mut last);
+                    y[k..].copy_from_slice(&last[..nz - k]);
+                }
+            }
+        }
     }
 }
 

@@ -5,6 +5,8 @@ use super::Grid;
 use super::basis::Weights;
 use crate::Result;
 use crate::error::try_vec;
+use crate::isa::{Isa, Kernel, dispatch};
+use crate::par::Workers;
 
 /// Weights of the four functions of a cell, the same along each axis.
 #[derive(Debug, Clone, Copy)]
@@ -41,8 +43,15 @@ struct Places {
 
 impl Places {
     /// The cell of place `i` and the weights of its functions there.
+    #[inline(always)]
     fn at<'t>(&self, taps: &'t Taps, i: usize) -> (usize, &'t [f64; 4]) {
         if self.halved { (i / 2, &taps.halves[i % 2]) } else { (i, &taps.whole) }
+    }
+
+    /// The places in a cell, none in one that is not there.
+    fn of_cell(&self, cell: usize) -> std::ops::Range<usize> {
+        let per_cell = if self.halved { 2 } else { 1 };
+        (cell * per_cell).min(self.n)..(cell * per_cell + per_cell).min(self.n)
     }
 }
 
@@ -95,23 +104,25 @@ impl<const D: usize> Centers<D> {
     }
 
     /// values = sum over a cell's control points of w_i w_j w_k c_ijk, one a place
-    pub fn gather(&mut self, taps: &Taps, coefficients: &[f64], values: &mut [f64]) {
+    pub fn gather(&mut self, workers: &Workers, taps: &Taps, coefficients: &[f64], values: &mut [f64]) {
         for (a, places) in self.places.into_iter().enumerate() {
             let inner = self.inner(a);
             let (done, rest) = self.scratch.split_at_mut(a);
             let from = done.last().map_or(coefficients, |v| &v[..]);
-            gather_axis(taps, places, from, rest.first_mut().map_or(&mut *values, |v| &mut v[..]), inner);
+            let to = rest.first_mut().map_or(&mut *values, |v| &mut v[..]);
+            gather_axis(workers, taps, places, from, to, inner);
         }
     }
 
     /// coefficients += the transpose of [`Centers::gather`] applied to `values`.
-    pub fn scatter(&mut self, taps: &Taps, values: &[f64], coefficients: &mut [f64]) {
+    pub fn scatter(&mut self, workers: &Workers, taps: &Taps, values: &[f64], coefficients: &mut [f64]) {
         self.scratch.iter_mut().for_each(|v| v.fill(0.0));
         for (a, places) in self.places.into_iter().enumerate().rev() {
             let inner = self.inner(a);
             let (before, behind) = self.scratch.split_at_mut(a);
             let from = behind.first().map_or(values, |v| &v[..]);
-            scatter_axis(taps, places, from, before.last_mut().map_or(&mut *coefficients, |v| &mut v[..]), inner);
+            let to = before.last_mut().map_or(&mut *coefficients, |v| &mut v[..]);
+            scatter_axis(workers, taps, places, from, to, inner);
         }
     }
 
@@ -121,28 +132,120 @@ impl<const D: usize> Centers<D> {
     }
 }
 
+/// Rows of an axis that one thread takes on at a time.
+const ROWS: usize = 64;
+
 /// to[o, i, :] = sum_a w_a from[o, cell(i) + a, :], for places i and rows of `inner`, block o by block.
-fn gather_axis(taps: &Taps, places: Places, from: &[f64], to: &mut [f64], inner: usize) {
-    for (from, to) in from.chunks(places.n_control * inner).zip(to.chunks_mut(places.n * inner)) {
-        for (i, to) in to.chunks_mut(inner).enumerate() {
-            to.fill(0.0);
-            let (cell, w) = places.at(taps, i);
-            for (a, w) in w.iter().enumerate() {
-                let row = &from[(cell + a) * inner..][..inner];
-                to.iter_mut().zip(row).for_each(|(t, f)| *t += w * f);
+fn gather_axis(workers: &Workers, taps: &Taps, places: Places, from: &[f64], to: &mut [f64], inner: usize) {
+    if inner == 1 {
+        let (lines, to) = (from.chunks(ROWS * places.n_control), to.chunks_mut(ROWS * places.n));
+        return workers.for_each(lines.zip(to), |(from, to)| dispatch(GatherLines { taps, places, from, to }));
+    }
+    let rows = to.chunks_mut(inner).enumerate();
+    workers.for_each(rows, |(row, to)| {
+        let (o, i) = (row / places.n, row % places.n);
+        let (cell, w) = places.at(taps, i);
+        let from = &from[(o * places.n_control + cell) * inner..][..4 * inner];
+        to.fill(0.0);
+        dispatch(AddRows { w, from, to });
+    });
+}
+
+/// The transpose: to[o, cell(i) + a, :] += w_a from[o, i, :].
+fn scatter_axis(workers: &Workers, taps: &Taps, places: Places, from: &[f64], to: &mut [f64], inner: usize) {
+    if inner == 1 {
+        let (lines, to) = (from.chunks(ROWS * places.n), to.chunks_mut(ROWS * places.n_control));
+        return workers.for_each(lines.zip(to), |(from, to)| dispatch(ScatterLines { taps, places, from, to }));
+    }
+    let rows = to.chunks_mut(inner).enumerate();
+    workers.for_each(rows, |(row, to)| {
+        let (o, p) = (row / places.n_control, row % places.n_control);
+        let from = &from[o * places.n * inner..][..places.n * inner];
+        // Control point p is function a of cell p - a.
+        for a in 0..=p.min(3) {
+            for i in places.of_cell(p - a) {
+                let (_, w) = places.at(taps, i);
+                dispatch(AddRows { w: &w[a..a + 1], from: &from[i * inner..][..inner], to });
+            }
+        }
+    });
+}
+
+/// to += sum of w_a times row a of `from`.
+struct AddRows<'a> {
+    w: &'a [f64],
+    from: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Kernel for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AddRows { w, from, to } = self;
+        for (w, from) in w.iter().zip(from.chunks_exact(to.len())) {
+            to.iter_mut().zip(from).for_each(|(t, f)| *t = I::mul_add(*w, *f, *t));
+        }
+    }
+}
+
+/// Values at the places of lines.
+struct GatherLines<'a> {
+    taps: &'a Taps,
+    places: Places,
+    from: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Kernel for GatherLines<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let GatherLines { taps, places, from, to } = self;
+        for (from, to) in from.chunks_exact(places.n_control).zip(to.chunks_exact_mut(places.n)) {
+            if places.halved {
+                for (i, t) in to.iter_mut().enumerate() {
+                    let (cell, w) = places.at(taps, i);
+                    *t = (0..4).fold(0.0, |sum, a| I::mul_add(w[a], from[cell + a], sum));
+                }
+            } else {
+                let [f0, f1, f2, f3] = std::array::from_fn(|a| &from[a..a + places.n]);
+                let w = &taps.whole;
+                for (i, t) in to.iter_mut().enumerate() {
+                    let first = I::mul_add(w[0], f0[i], w[1] * f1[i]);
+                    *t = I::mul_add(w[3], f3[i], I::mul_add(w[2], f2[i], first));
+                }
             }
         }
     }
 }
 
-/// The transpose: to[o, cell(i) + a, :] += w_a from[o, i, :].
-fn scatter_axis(taps: &Taps, places: Places, from: &[f64], to: &mut [f64], inner: usize) {
-    for (from, to) in from.chunks(places.n * inner).zip(to.chunks_mut(places.n_control * inner)) {
-        for (i, from) in from.chunks(inner).enumerate() {
-            let (cell, w) = places.at(taps, i);
-            for (a, w) in w.iter().enumerate() {
-                let row = &mut to[(cell + a) * inner..][..inner];
-                row.iter_mut().zip(from).for_each(|(t, f)| *t += w * f);
+/// The transpose of [`GatherLines`], added.
+struct ScatterLines<'a> {
+    taps: &'a Taps,
+    places: Places,
+    from: &'a [f64],
+    to: &'a mut [f64],
+}
+
+impl Kernel for ScatterLines<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let ScatterLines { taps, places, from, to } = self;
+        for (from, to) in from.chunks_exact(places.n).zip(to.chunks_exact_mut(places.n_control)) {
+            if places.halved {
+                for (i, f) in from.iter().enumerate() {
+                    let (cell, w) = places.at(taps, i);
+                    (0..4).for_each(|a| to[cell + a] = I::mul_add(w[a], *f, to[cell + a]));
+                }
+            } else {
+                for (a, w) in taps.whole.iter().enumerate() {
+                    to[a..].iter_mut().zip(from).for_each(|(t, f)| *t = I::mul_add(*w, *f, *t));
+                }
             }
         }
     }
@@ -161,7 +264,7 @@ mod tests {
             let c: Vec<f64> = (0..grid.n_control()).map(|i| (i as f64 * 0.37).sin()).collect();
             let mut centers = Centers::new(&grid).unwrap();
             let mut values = vec![0.0; n_cells.iter().product()];
-            centers.gather(&Taps::values(), &c, &mut values);
+            centers.gather(&Workers::caller_only(), &Taps::values(), &c, &mut values);
             let mut at = values.iter();
             for i in 0..n_cells[0] {
                 for j in 0..n_cells[1] {
@@ -173,7 +276,7 @@ mod tests {
             }
             let weights: Vec<f64> = (0..values.len()).map(|i| (i as f64 * 0.9).cos()).collect();
             let mut back = vec![0.0; c.len()];
-            centers.scatter(&Taps::values(), &weights, &mut back);
+            centers.scatter(&Workers::caller_only(), &Taps::values(), &weights, &mut back);
             let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
             assert!((dot(&values, &weights) - dot(&c, &back)).abs() < 1e-12);
         }
