@@ -217,13 +217,14 @@ static void reports_tell_how_clear_sides_were(uint32_t dim) {
     ko_field_free(field);
     report = report_of_fit(closed, &options, &field);
     CHECK(report.clear_sides > 0.99 && report.clear_sides <= 1.0);
+    CHECK(report.convergence_rate > 0.0 && report.convergence_rate < 1.0);
 
-    /* Files do not keep it, and no distances were held here. */
+    /* Files do not keep these, and no distances were held here. */
     OK(ko_field_save(field, "clouds.kof"));
     OK(ko_field_load("clouds.kof", &loaded));
     CHECK(remove("clouds.kof") == 0);
     OK(ko_field_get_report(loaded, sizeof report, &report));
-    CHECK(isnan(report.clear_sides) && report.n_points > 0);
+    CHECK(isnan(report.clear_sides) && isnan(report.convergence_rate) && report.n_points > 0);
     ko_field_free(field);
     ko_field_free(loaded);
     options.distance_weight = 0.0;

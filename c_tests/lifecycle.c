@@ -188,7 +188,7 @@ static void files_give_the_same_bits(void) {
     ko_fit_report report, loaded_report;
     OK(ko_field_get_report(field, sizeof report, &report));
     OK(ko_field_get_report(loaded, sizeof report, &loaded_report));
-    /* Files do not keep clear_sides. */
+    /* Files do not keep clear_sides and convergence_rate. */
     CHECK(memcmp(&report, &loaded_report, offsetof(ko_fit_report, clear_sides)) == 0);
     free(points);
     ko_field_free(field);

@@ -134,6 +134,7 @@ module keepout_c
     real(c_double) :: mean_gradient
     integer(c_int64_t) :: n_outliers
     real(c_double) :: clear_sides
+    real(c_double) :: convergence_rate
   end type
 
   ! Made by keepout_level_set_options() with the defaults.

@@ -513,6 +513,11 @@ typedef struct ko_fit_report {
      * loaded or made.
      */
     double clear_sides;
+    /**
+     * Mean factor by which an iteration of the last round lowered the residual: 0.1 gains a digit each. Not a number for a field that was loaded
+     * or made.
+     */
+    double convergence_rate;
 } ko_fit_report;
 
 /**

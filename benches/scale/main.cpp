@@ -14,12 +14,13 @@ struct Subject {
     void (*print)(const Data &data);
 };
 
-const Subject SUBJECTS[] = {{"speed", speed}};
+const Subject SUBJECTS[] = {{"speed", speed}, {"fits", fits}, {"accuracy", accuracy}};
+const Subject MILLION_ONLY = {"million-only", million_only};
 
 const Subject *subject_of(const char *name) {
     for (const Subject &subject : SUBJECTS)
         if (!std::strcmp(name, subject.name)) return &subject;
-    return nullptr;
+    return !std::strcmp(name, MILLION_ONLY.name) ? &MILLION_ONLY : nullptr;
 }
 
 int usage(const char *program) {

@@ -9,4 +9,13 @@ namespace bench {
 // Nanoseconds of an evaluation beside a kernel by hand, in and out of cache, and on two threads.
 void speed(const Data &data);
 
+// Seconds and iterations of fits at the paper's sizes, how they grow, and where data are stiff.
+void fits(const Data &data);
+
+// A fit of a million control points and nothing else, for the memory of the process to be seen from outside.
+void million_only(const Data &data);
+
+// Distances of held-out points to surfaces, against control points, beside the reconstruction programs'.
+void accuracy(const Data &data);
+
 }  // namespace bench

@@ -81,6 +81,7 @@ size_t layout_fit_report(size_t *offsets) {
     PUT(mean_gradient);
     PUT(n_outliers);
     PUT(clear_sides);
+    PUT(convergence_rate);
     return sizeof(STRUCT);
 }
 #undef STRUCT

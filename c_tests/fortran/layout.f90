@@ -121,7 +121,7 @@ contains
 
   subroutine check_fit_report()
     type(ko_fit_report), target :: x
-    integer(c_size_t) :: right(20), found(20)
+    integer(c_size_t) :: right(21), found(21)
     call equal(c_sizeof(x), layout_fit_report(right), "bytes of ko_fit_report")
     found(1) = offset(c_loc(x), c_loc(x%struct_size))
     found(2) = offset(c_loc(x), c_loc(x%dim))
@@ -143,6 +143,7 @@ contains
     found(18) = offset(c_loc(x), c_loc(x%mean_gradient))
     found(19) = offset(c_loc(x), c_loc(x%n_outliers))
     found(20) = offset(c_loc(x), c_loc(x%clear_sides))
+    found(21) = offset(c_loc(x), c_loc(x%convergence_rate))
     call holds(all(found == right), "offsets in ko_fit_report")
   end subroutine
 

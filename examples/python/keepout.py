@@ -238,6 +238,7 @@ class ko_fit_report(_Struct):
         ("mean_gradient", c_double),
         ("n_outliers", c_uint64),
         ("clear_sides", c_double),
+        ("convergence_rate", c_double),
     ]
 
 

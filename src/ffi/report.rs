@@ -137,6 +137,9 @@ pub struct ko_fit_report {
     /// where distance_weight was 0, and for a field that was
     /// loaded or made.
     pub clear_sides: f64,
+    /// Mean factor by which an iteration of the last round lowered the residual: 0.1 gains a digit each. Not a number for a field that was loaded
+    /// or made.
+    pub convergence_rate: f64,
 }
 
 // SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
@@ -177,6 +180,7 @@ impl ko_fit_report {
             mean_gradient: r.mean_gradient,
             n_outliers: r.n_outliers,
             clear_sides: r.clear_sides,
+            convergence_rate: r.convergence_rate,
         };
         // SAFETY: the caller's promise.
         unsafe { write_sized(to, size, report, "report") }

@@ -115,6 +115,7 @@ impl<const D: usize> Field<D> {
             control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
             n_unknowns: given as u64,
             clear_sides: f64::NAN,
+            convergence_rate: f64::NAN,
             ..FitReport::default()
         };
         Ok(Field::new(grid, control_points, feasible, diagonal, report))
