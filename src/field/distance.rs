@@ -64,6 +64,10 @@ impl FarDistances {
         let n = grid.n_cells().iter().product();
         let sides = NearSides::new(cloud, workers)?;
         let whole = sides.everywhere();
+        let mut turns = try_vec(sides.at_probes().len(), 0.0, "far distances")?;
+        turns.iter_mut().zip(sides.at_probes()).for_each(|(t, beside)| *t = turn(*beside, whole));
+        // Of closed shapes all are the same, and none need be looked for.
+        let same = turns.iter().all(|t| *t == turns[0]);
         let near = NEAREST * grid.longest_cell();
         let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
         let mut chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
@@ -71,11 +75,13 @@ impl FarDistances {
         for done in (0..n).step_by(ROUND * CHUNK) {
             tell(done as f64 / n as f64)?;
             workers.try_for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
+                let (mut point, mut probe) = (0, 0);
                 for (i, (d, s)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share)) {
                     let x = center(grid, i);
-                    *d = sides.distance(x);
+                    *d = sides.distance(x, &mut point);
                     if *d > near {
-                        let side = turn(sides.beside(x), whole) - 2.0 * sides.winding_number(x)?;
+                        let t = turns[if same { 0 } else { sides.probe(x, &mut probe) }];
+                        let side = t - 2.0 * sides.winding_number(x)?;
                         *d = d.copysign(side);
                         *s = (side * side).min(1.0) / n as f64;
                     }

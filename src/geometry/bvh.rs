@@ -39,6 +39,7 @@ impl<const D: usize> Node<D> {
     }
 
     /// The children of an inner node.
+    #[inline]
     pub fn children(&self) -> [usize; 2] {
         [self.first as usize, self.first as usize + 1]
     }

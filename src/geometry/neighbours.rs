@@ -67,8 +67,9 @@ impl<const D: usize> Neighbours<D> {
                 continue;
             }
             let Some(places) = self.tree.nodes[node].leaf() else {
-                let [a, b] = self.tree.nodes[node].children().map(|c| (c, self.tree.nodes[c].distance_squared(p)));
-                let (near, far) = if b.1 < a.1 { (b, a) } else { (a, b) };
+                let [a, b] = self.tree.nodes[node].children();
+                let (to_a, to_b) = (self.tree.nodes[a].distance_squared(p), self.tree.nodes[b].distance_squared(p));
+                let (near, far) = if to_b < to_a { ((b, to_b), (a, to_a)) } else { ((a, to_a), (b, to_b)) };
                 stack[depth] = far;
                 stack[depth + 1] = near;
                 depth += 2;
@@ -83,6 +84,46 @@ impl<const D: usize> Neighbours<D> {
             }
         }
         found
+    }
+}
+
+impl<const D: usize> Neighbours<D> {
+    /// The point nearest to `p`, the first of those as near; `hint` is its place in the order, or that of any point: one that is near makes the
+    /// search short. Becomes the place that was found.
+    pub fn nearest_from(&self, p: [f64; D], hint: &mut usize) -> Neighbour {
+        let at = |place: usize| {
+            let r = sub(self.points[place], p);
+            Neighbour { index: self.tree.order[place], distance_squared: dot(r, r) }
+        };
+        let mut best = at(*hint);
+        let mut stack = [(0, 0.0); STACK_SIZE];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let (node, box_distance) = stack[depth];
+            if best.is_before(box_distance, self.lowest[node]) {
+                continue;
+            }
+            let Some(places) = self.tree.nodes[node].leaf() else {
+                // One by one: the map of an array is a call that is not inlined.
+                let [a, b] = self.tree.nodes[node].children();
+                let (to_a, to_b) = (self.tree.nodes[a].distance_squared(p), self.tree.nodes[b].distance_squared(p));
+                let (near, far) = if to_b < to_a { ((b, to_b), (a, to_a)) } else { ((a, to_a), (b, to_b)) };
+                for child in [far, near] {
+                    stack[depth] = child;
+                    // Not kept where it can hold no nearer one: overwritten by the next.
+                    depth += usize::from(child.1 <= best.distance_squared);
+                }
+                continue;
+            };
+            for place in places {
+                let candidate = at(place);
+                if !best.is_before(candidate.distance_squared, candidate.index) {
+                    (best, *hint) = (candidate, place);
+                }
+            }
+        }
+        best
     }
 }
 
@@ -122,6 +163,13 @@ mod tests {
                 let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }; 7];
                 let found = tree.nearest(*query, even, &mut nearest);
                 assert_eq!(found, expected.len().min(7));
+                for hint in [0, n / 2, n - 1] {
+                    let mut place = hint;
+                    let mut one = [Neighbour { index: 0, distance_squared: 0.0 }];
+                    tree.nearest(*query, |_| true, &mut one);
+                    assert_eq!(tree.nearest_from(*query, &mut place), one[0]);
+                    assert_eq!(tree.order()[place], one[0].index);
+                }
                 let got: Vec<(f64, u32)> = nearest[..found].iter().map(|n| (n.distance_squared, n.index)).collect();
                 assert_eq!(got, expected[..found]);
             }

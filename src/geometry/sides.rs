@@ -139,9 +139,9 @@ impl<const D: usize> NearSides<D> {
         Ok(NearSides { points, surfels, probes, beside })
     }
 
-    /// Distance from `x` to the nearest point.
-    pub fn distance(&self, x: [f64; D]) -> f64 {
-        nearest(&self.points, x).distance_squared.sqrt()
+    /// Distance from `x` to the nearest point; `hint` as [`Neighbours::nearest_from`] takes it.
+    pub fn distance(&self, x: [f64; D], hint: &mut usize) -> f64 {
+        self.points.nearest_from(x, hint).distance_squared.sqrt()
     }
 
     /// W, to about 0.1.
@@ -151,7 +151,17 @@ impl<const D: usize> NearSides<D> {
 
     /// W on both sides of the surface near `x`.
     pub fn beside(&self, x: [f64; D]) -> Beside {
-        self.beside[nearest(&self.probes, x).index as usize]
+        self.beside[self.probe(x, &mut 0)]
+    }
+
+    /// Index of the probe nearest to `x`; `hint` as [`Neighbours::nearest_from`] takes it.
+    pub fn probe(&self, x: [f64; D], hint: &mut usize) -> usize {
+        self.probes.nearest_from(x, hint).index as usize
+    }
+
+    /// W on both sides of the surface at the probes.
+    pub fn at_probes(&self) -> &[Beside] {
+        &self.beside
     }
 
     /// The mean over the whole surface.
@@ -165,13 +175,6 @@ fn mean(all: impl ExactSizeIterator<Item = Beside>) -> Beside {
     let n = all.len() as f64;
     let sum = all.fold(Beside::default(), |a, b| Beside { mean: a.mean + b.mean, jump: a.jump + b.jump });
     Beside { mean: sum.mean / n, jump: sum.jump / n }
-}
-
-/// The point of `tree` nearest to `x`.
-fn nearest<const D: usize>(tree: &Neighbours<D>, x: [f64; D]) -> Neighbour {
-    let mut nearest = [Neighbour { index: 0, distance_squared: 0.0 }];
-    tree.nearest(x, |_| true, &mut nearest);
-    nearest[0]
 }
 
 #[cfg(test)]
