@@ -8,8 +8,8 @@
 //! | room | takes | gives |
 //! |---|---|---|
 //! | [`geometry`] | files, arrays | meshes, reports, oriented clouds, exact signed distances |
-//! | [`spline`] | a box and a resolution | uniform cubic B-spline bases, exact Gram matrices, the evaluation kernel |
-//! | [`linalg`] | operators | solutions by preconditioned conjugate gradients |
+//! | [`spline`] | a box and a resolution | uniform cubic B-spline bases, exact Gram matrices, operators on control points, the evaluation kernel |
+//! | [`linalg`] | operators | solutions by conjugate gradients, preconditioned by multigrid |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
 //! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all rooms share: the plane or space, errors, instruction sets, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |

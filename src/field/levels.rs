@@ -16,7 +16,7 @@ use crate::linalg::multigrid::{self, Multigrid, Smoother};
 use crate::par::Workers;
 use crate::spline::assembled::Assembled;
 use crate::spline::blocks::{Blocks, Kinds};
-use crate::spline::gram::{Band, Gram};
+use crate::spline::gram::Gram;
 use crate::spline::two_scale::{TwoScale, coarser};
 use crate::spline::{Axis, Grid};
 use std::ops::Range;
@@ -24,7 +24,7 @@ use std::ops::Range;
 /// Unknowns of the coarsest grid, which is solved, at most, where its axes can be coarsened so far.
 const COARSEST: usize = 400;
 
-/// Twice the control points a point below which a grid has entries: a row of them costs as much as so many half points.
+/// Control points, in halves, a point below which a grid has entries: reading those of so many costs as much as the sums of a point.
 const ENTRIES_BELOW: u128 = 3;
 
 /// An axis is coarsened where its cells are at most this many times as long as the shortest.
@@ -98,40 +98,44 @@ impl<const D: usize> Terms<D> {
         Ok(matrix)
     }
 
-    /// The local inverse; `matrix` is A where all of it is assembled.
-    fn blocks(&mut self, data: &DataTerm<D>, matrix: Option<&Assembled>, workers: &Workers) -> Result<Blocks> {
+    /// The local inverse of A, and its entries where they are cheaper than points.
+    fn prepare(&mut self, data: &DataTerm<D>, workers: &Workers) -> Result<(Blocks, Option<Assembled>)> {
         let n = self.view.grid().n_control();
+        let entries = has_entries(n as u128, data.n_points() as u128);
+        let matrix = entries.then(|| self.assemble_all(data, workers)).transpose()?;
         let zeros = || try_vec(n, 0.0, "the smoother");
         let (mut by_data, mut by_smoothness, mut by_distance) = (zeros()?, zeros()?, zeros()?);
         data.add_diagonal(&self.view, workers, &mut by_data);
         self.smoothness.add_diagonal(&mut by_smoothness);
-        let unit: Band = Gram::of_no_axis().order[0].clone();
-        let uniform = match &mut self.distance {
-            Some(distance) => {
-                distance.add_diagonal(workers, &mut by_distance);
-                Some(distance.uniform()?)
-            }
-            None => None,
-        };
-        let diagonal: Vec<f64> = (0..n).map(|p| by_data[p] + by_smoothness[p] + by_distance[p]).collect();
-        let own: Vec<bool> = by_data.iter().zip(&by_smoothness).map(|(d, s)| *d > STIFF * s).collect();
-        let second: Vec<bool> = by_distance.iter().map(|d| *d > 0.0).collect();
+        let mut uniform = None;
+        if let Some(distance) = &mut self.distance {
+            distance.add_diagonal(workers, &mut by_distance);
+            uniform = Some(distance.uniform()?);
+        }
+        let (mut diagonal, flags) = (zeros()?, || try_vec(n, false, "the smoother"));
+        let (mut own, mut second) = (flags()?, flags()?);
+        for p in 0..n {
+            own[p] = by_data[p] > STIFF * by_smoothness[p];
+            second[p] = by_distance[p] > 0.0;
+            diagonal[p] = by_data[p] + by_smoothness[p] + by_distance[p];
+        }
         let smooth = self.smoothness.products();
         let mut held = smooth.clone();
+        let no_axis = Gram::of_no_axis();
         if let Some((mass, bands)) = &uniform {
-            held.push((*mass, std::array::from_fn(|a| if a + D >= 3 { &bands[a + D - 3] } else { &unit })));
+            let band = |a: usize| if a + D >= 3 { &bands[a + D - 3] } else { &no_axis.order[0] };
+            held.push((*mass, std::array::from_fn(band)));
         }
         let kinds = Kinds { own: &own, second: &second, operators: [smooth, held] };
         let mut blocks = Blocks::new(self.smoothness.shape(), &diagonal)?;
-        match matrix {
-            Some(matrix) => blocks.add(matrix, &kinds, workers)?,
-            None => {
-                for planes in Blocks::windows(self.smoothness.shape()) {
-                    blocks.add(&self.assemble(data, planes, workers)?, &kinds, workers)?;
-                }
+        if let Some(matrix) = &matrix {
+            blocks.add(matrix, &kinds, workers)?;
+        } else {
+            for planes in Blocks::windows(self.smoothness.shape()) {
+                blocks.add(&self.assemble(data, planes, workers)?, &kinds, workers)?;
             }
         }
-        Ok(blocks)
+        Ok((blocks, matrix))
     }
 
     fn assemble_all(&self, data: &DataTerm<D>, workers: &Workers) -> Result<Assembled> {
@@ -162,9 +166,9 @@ pub(super) fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
     let shape: [u128; 3] = std::array::from_fn(|a| if a + D >= 3 { shape[a + D - 3] } else { 1 });
     let n: u128 = shape.iter().product();
     let planes = if has_entries(n, n_points) { shape[0] } else { shape[0].min(Blocks::WINDOW) };
-    // Each point is in a cell that 4^D blocks have functions of. Four vectors, the transfers', the scale and what tells which blocks have
-    // factors of their own. All coarser grids together have a seventh of that in space, a third in the plane, and entries.
-    let finest = Assembled::bytes(shape, planes) + Blocks::bytes(shape, n_points) + n * 8 * (4 + 1 + 1 + 4);
+    // Besides entries and blocks four vectors of the smoother, the transfer's one, and what tells blocks apart: six. All coarser grids together
+    // have a seventh of that in space, a third in the plane, and entries.
+    let finest = Assembled::bytes(shape, planes) + Blocks::bytes(shape, n_points) + n * 8 * (4 + 1 + 6);
     finest + finest / if shape[0] == 1 { 2 } else { 5 } + Assembled::bytes(shape, shape[0]) / 4
 }
 
@@ -224,14 +228,9 @@ pub(super) fn multigrid<'a, const D: usize>(
     let mut levels = Vec::new();
     let mut axes = halved(finest.view.grid());
     let mut next = finest.coarser(data, axes)?;
-    let n = finest.view.grid().n_control();
     let mut shape = finest.smoothness.shape();
-    let (mut blocks, mut form) = if has_entries(n as u128, data.n_points() as u128) {
-        let matrix = finest.assemble_all(data, workers)?;
-        (finest.blocks(data, Some(&matrix), workers)?, Form::Entries(matrix))
-    } else {
-        (finest.blocks(data, None, workers)?, Form::Finest(finest))
-    };
+    let (mut blocks, entries) = finest.prepare(data, workers)?;
+    let mut form = entries.map_or(Form::Finest(finest), Form::Entries);
     loop {
         let to_coarser = TwoScale::new(shape, in_space(axes))?;
         let mut level = Level { data, form, blocks, to_coarser, len: shape.iter().product() };
@@ -245,13 +244,9 @@ pub(super) fn multigrid<'a, const D: usize>(
         }
         let coarser = next.coarser(data, axes)?;
         shape = next.smoothness.shape();
-        let n = next.view.grid().n_control();
-        (blocks, form) = if has_entries(n as u128, data.n_points() as u128) {
-            let matrix = next.assemble_all(data, workers)?;
-            (next.blocks(data, Some(&matrix), workers)?, Form::Entries(matrix))
-        } else {
-            (next.blocks(data, None, workers)?, Form::Terms(Box::new(next)))
-        };
+        let entries;
+        (blocks, entries) = next.prepare(data, workers)?;
+        form = entries.map_or_else(|| Form::Terms(Box::new(next)), Form::Entries);
         next = coarser;
     }
 }

@@ -12,7 +12,7 @@
 //! | (7), regularisation | [`smoothness`] |
 //! | (9), distances, in cells away from the surface | [`distance`] |
 //! | (10), the energy | [`energy`] |
-//! | (11), its minimum, Algorithm 1, step 4 | [`fit`] |
+//! | (11), its minimum, Algorithm 1, step 4 | [`fit`]; its solution: `system`, on ever coarser grids: `levels` |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
 //! | the zero contour of its figures, and any other | [`level_set`]; values on slices and boxes: [`lattice`] |
 //!

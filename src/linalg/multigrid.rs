@@ -77,7 +77,7 @@ impl Smoother {
         largest
     }
 
-    /// Smooths x with the residual r = b - A x at hand, which is that of the new x only where it is `kept`.
+    /// Smooths x with the residual r = b - A x at hand, which stays at hand only where it is kept.
     fn smooth(&mut self, level: &mut impl Level, workers: &Workers, residual: Residual) {
         for k in 1..=DEGREE {
             let k_real = k as f64;
@@ -125,35 +125,114 @@ impl<L: Level> Multigrid<L> {
     /// z = M r, M the V-cycle from zero.
     pub fn cycle(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
         self.levels[0].1.r.copy_from_slice(r);
-        self.cycle_from(0, workers);
+        cycle(&mut self.levels, &self.coarsest, &mut self.bottom, workers);
         z.copy_from_slice(&self.levels[0].1.x);
     }
+}
 
-    /// Level `l`'s x from its r.
-    fn cycle_from(&mut self, l: usize, workers: &Workers) {
-        let (level, smoother) = &mut self.levels[l];
-        smoother.x.fill(0.0);
-        smoother.smooth(level, workers, Residual::Kept);
-        match self.levels.get_mut(l..l + 2) {
-            Some([(level, smoother), (_, below)]) => {
-                level.restrict(workers, &smoother.r, &mut below.r);
-                self.cycle_from(l + 1, workers);
-                let [(level, smoother), (_, below)] = &mut self.levels[l..l + 2] else { unreachable!() };
-                smoother.z.fill(0.0);
-                level.prolong_add(workers, &below.x, &mut smoother.z);
-            }
-            _ => {
-                let (level, smoother) = &mut self.levels[l];
-                level.restrict(workers, &smoother.r, &mut self.bottom);
-                self.coarsest.solve(&mut self.bottom);
-                smoother.z.fill(0.0);
-                level.prolong_add(workers, &self.bottom, &mut smoother.z);
+/// The x of the first of `levels` from its r.
+fn cycle<L: Level>(levels: &mut [(L, Smoother)], coarsest: &Cholesky, bottom: &mut [f64], workers: &Workers) {
+    let Some(((level, smoother), below)) = levels.split_first_mut() else { return };
+    smoother.x.fill(0.0);
+    smoother.smooth(level, workers, Residual::Kept);
+    smoother.z.fill(0.0);
+    if below.is_empty() {
+        level.restrict(workers, &smoother.r, bottom);
+        coarsest.solve(bottom);
+        level.prolong_add(workers, bottom, &mut smoother.z);
+    } else {
+        level.restrict(workers, &smoother.r, &mut below[0].1.r);
+        cycle(below, coarsest, bottom, workers);
+        level.prolong_add(workers, &below[0].1.x, &mut smoother.z);
+    }
+    update(workers, &mut smoother.x, &smoother.z, |z, x| x + z);
+    level.apply(workers, &smoother.z, &mut smoother.az);
+    update(workers, &mut smoother.r, &smoother.az, |az, r| r - az);
+    smoother.smooth(level, workers, Residual::Spent);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::cg;
+
+    /// Second differences on 2^k - 1 points, halved; B is the inverse of the diagonal.
+    struct Line(usize);
+
+    impl Level for Line {
+        fn n_unknowns(&self) -> usize {
+            self.0
+        }
+
+        fn apply(&mut self, _: &Workers, x: &[f64], y: &mut [f64]) {
+            // 1 / h, so that linear interpolation makes each level's matrix from the one above.
+            let h = 1.0 / (self.0 + 1) as f64;
+            let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
+            y.iter_mut().enumerate().for_each(|(i, y)| *y = (2.0 * x[i] - at(i.wrapping_sub(1)) - at(i + 1)) / h);
+        }
+
+        fn invert_locally(&mut self, _: &Workers, r: &[f64], z: &mut [f64]) {
+            let h = 1.0 / (self.0 + 1) as f64;
+            z.iter_mut().zip(r).for_each(|(z, r)| *z = 0.5 * h * r);
+        }
+
+        fn restrict(&mut self, _: &Workers, fine: &[f64], coarse: &mut [f64]) {
+            for (j, c) in coarse.iter_mut().enumerate() {
+                *c = 0.5 * fine[2 * j] + fine[2 * j + 1] + 0.5 * fine[2 * j + 2];
             }
         }
-        let (level, smoother) = &mut self.levels[l];
-        update(workers, &mut smoother.x, &smoother.z, |z, x| x + z);
-        level.apply(workers, &smoother.z, &mut smoother.az);
-        update(workers, &mut smoother.r, &smoother.az, |az, r| r - az);
-        smoother.smooth(level, workers, Residual::Spent);
+
+        fn prolong_add(&mut self, _: &Workers, coarse: &[f64], fine: &mut [f64]) {
+            for (j, c) in coarse.iter().enumerate() {
+                (0..3).for_each(|k| fine[2 * j + k] += [0.5, 1.0, 0.5][k] * c);
+            }
+        }
+    }
+
+    fn hierarchy(n: usize) -> Multigrid<Line> {
+        let workers = Workers::caller_only();
+        let sizes = std::iter::successors(Some(n), |n| Some(n / 2)).take_while(|n| *n > 3);
+        let levels: Vec<_> = sizes
+            .map(|n| {
+                let mut level = Line(n);
+                let smoother = Smoother::new(&mut level, &workers).unwrap();
+                (level, smoother)
+            })
+            .collect();
+        // Second differences on three points.
+        Multigrid::new(levels, Cholesky::new(3, vec![8.0, -4.0, 8.0, 0.0, -4.0, 8.0], 0.0)).unwrap()
+    }
+
+    impl cg::System for Multigrid<Line> {
+        fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+            self.finest().apply(workers, x, y);
+        }
+
+        fn precondition(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
+            self.cycle(workers, r, z);
+        }
+    }
+
+    #[test]
+    fn iterations_do_not_grow_with_the_grid() {
+        for n in [7, 63, 1023, 16_383] {
+            let b: Vec<f64> = (0..n).map(|i| (i as f64 * 0.7).sin()).collect();
+            let stop = cg::Stop { tolerance: 1e-10, max_iterations: 100, patience: None };
+            let workers = Workers::caller_only();
+            let (_, done) = cg::solve(&mut hierarchy(n), &b, vec![0.0; n], stop, &workers, |_, _| Ok(())).unwrap();
+            assert!(done.iterations <= 12, "{n}: {}", done.iterations);
+        }
+    }
+
+    #[test]
+    fn a_cycle_is_symmetric_and_positive() {
+        let (mut multigrid, workers) = (hierarchy(63), Workers::caller_only());
+        let vector = |f: f64| -> Vec<f64> { (0..63).map(|i| (i as f64 * f).sin()).collect() };
+        let (x, y) = (vector(0.9), vector(2.3));
+        let (mut mx, mut my) = (vec![0.0; 63], vec![0.0; 63]);
+        multigrid.cycle(&workers, &x, &mut mx);
+        multigrid.cycle(&workers, &y, &mut my);
+        assert!((dot(&workers, &x, &my) - dot(&workers, &y, &mx)).abs() < 1e-14);
+        assert!(dot(&workers, &x, &mx) > 0.0 && dot(&workers, &y, &my) > 0.0);
     }
 }

@@ -67,13 +67,22 @@ impl Assembled {
     /// Bytes of `n_planes` planes on a tensor of `shape`.
     pub fn bytes(shape: [u128; 3], n_planes: u128) -> u128 {
         let along_x = if shape[0] == 1 { 1 } else { WIDTH as u128 };
-        n_planes * shape[1] * (shape[2] + 6) * along_x * (WIDTH * WIDTH * size_of::<f64>()) as u128
+        // With the vector to be multiplied and the product.
+        n_planes * shape[1] * (shape[2] + 6) * (along_x * (WIDTH * WIDTH) as u128 + 2) * size_of::<f64>() as u128
     }
 
     /// 0, on the `planes` of a tensor of `shape`.
     pub fn new(shape: [usize; 3], planes: Range<usize>) -> Result<Self> {
         let mut a = Assembled { shape, planes, entries: Vec::new(), padded: [Vec::new(), Vec::new()] };
         a.entries = try_vec(a.planes.len() * a.plane(), 0.0, "the operator of a coarse grid")?;
+        if a.planes == (0..shape[0]) {
+            // A rim before the first line, too.
+            let n = shape[0] * shape[1] * with_rim(shape[2]);
+            a.padded = [
+                try_vec(n + 8, 0.0, "the operator of a coarse grid")?,
+                try_vec(n, 0.0, "the operator of a coarse grid")?,
+            ];
+        }
         Ok(a)
     }
 
@@ -192,10 +201,7 @@ impl Assembled {
         let rimmed = with_rim(nz);
         let (line, plane) = (self.line(), ny * rimmed);
         let [padded, sums] = &mut self.padded;
-        // A rim before the first line, too.
-        padded.resize(nx * plane + 8, 0.0);
         padded[4..].chunks_exact_mut(rimmed).zip(x.chunks_exact(nz)).for_each(|(to, x)| to[..nz].copy_from_slice(x));
-        sums.resize(nx * plane, 0.0);
         sums.fill(0.0);
         // Entries are read once, and serve all that they couple: a slab's planes and the three behind. Every other slab at a time.
         for parity in 0..2 {
