@@ -15,7 +15,7 @@ use std::ops::Range;
 /// Functions of a cell along an axis, and so the distances between two of them.
 const WIDTH: usize = HALF_BAND + 1;
 
-/// Products of the four functions of a cell along an axis: those of a and a + d at [d][a], 0 where there is no a + d.
+/// Products of the four functions of a cell along an axis: those of a and a + d at `[d][a]`, 0 where there is no a + d.
 pub type Products = [[f64; 4]; 4];
 
 /// The products of the numbers `f` of four functions.
@@ -165,7 +165,7 @@ impl Assembled {
         self.entries[line + ((x.1 * WIDTH + y.1) * WIDTH + z.1) * with_rim(self.shape[2]) + z.0]
     }
 
-    /// The entries of line (i, j) along z and that `dx` and `dy` behind it, those of z and z + d at [d][z].
+    /// The entries of line (i, j) along z and that `dx` and `dy` behind it, those of z and z + d at `[d][z]`.
     #[inline(always)]
     pub fn bands(&self, [i, j]: [usize; 2], dx: usize, dy: usize) -> [&[f64]; WIDTH] {
         let rimmed = with_rim(self.shape[2]);

@@ -86,9 +86,9 @@ pub type Products<'a> = Vec<(f64, [&'a Band; 3])>;
 
 /// Which blocks have factors of their own, and what the others are.
 pub struct Kinds<'a> {
-    /// Control points of which the blocks have factors of their own [n].
+    /// Control points of which the blocks have factors of their own `[n]`.
     pub own: &'a [bool],
-    /// Control points of which the other blocks have the second of the operators [n].
+    /// Control points of which the other blocks have the second of the operators `[n]`.
     pub second: &'a [bool],
     /// The operators of the other blocks.
     pub operators: [Products<'a>; 2],
