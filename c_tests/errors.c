@@ -120,6 +120,38 @@ static void misaligned_pointers_are_refused(void) {
     ko_mesh_free(mesh);
 }
 
+/* Not even the first of two outputs is written where the second is misaligned. */
+static void outputs_are_written_on_success_only(void) {
+    static double room[64];
+    static uint32_t indices[64];
+    ko_mesh *mesh = check_cube();
+    ko_cloud *cloud = NULL;
+    size_t n = 77;
+    OK(ko_mesh_sample(mesh, 10, 1, &cloud));
+    room[0] = 77.0;
+    indices[0] = 77;
+    FAILS(ko_mesh_get_size(mesh, &n, MISALIGNED(room)), KO_ERR_INVALID_ARGUMENT, "n_triangles is at");
+    FAILS(ko_mesh_copy(mesh, 8, 12, room, MISALIGNED(indices)), KO_ERR_INVALID_ARGUMENT, "triangles is at");
+    FAILS(ko_cloud_copy(cloud, 10, room, MISALIGNED(room)), KO_ERR_INVALID_ARGUMENT, "normals is at");
+    FAILS(ko_cloud_copy_origins(cloud, 10, indices, MISALIGNED(room)), KO_ERR_INVALID_ARGUMENT, "barycentric is at");
+    CHECK(n == 77 && room[0] == 77.0 && indices[0] == 77);
+    ko_cloud_free(cloud);
+    ko_mesh_free(mesh);
+}
+
+/* The arrays are not as long as is said: they must not be read. */
+static void too_many_are_refused_unread(void) {
+    static double room[3];
+    static uint32_t indices[3];
+    ko_mesh *mesh = NULL;
+    ko_cloud *cloud = NULL;
+    const size_t many = ((size_t)1 << 31) + 1;
+    FAILS(ko_cloud_from_points(3, room, room, many, &cloud), KO_ERR_INVALID_ARGUMENT, "at most 1073741824");
+    FAILS(ko_cloud_from_points(2, room, NULL, many, &cloud), KO_ERR_INVALID_ARGUMENT, "at most 1073741824");
+    FAILS(ko_mesh_from_triangles(room, 1, indices, many, &mesh), KO_ERR_INVALID_ARGUMENT, "at most 2147483647");
+    CHECK(cloud == NULL && mesh == NULL);
+}
+
 static void bad_triangles_are_named(void) {
     ko_mesh *mesh = NULL;
     double vertices[24];
@@ -390,6 +422,8 @@ int main(void) {
     cloud_refuses_null();
     field_refuses_null();
     misaligned_pointers_are_refused();
+    outputs_are_written_on_success_only();
+    too_many_are_refused_unread();
     bad_triangles_are_named();
     bad_samplings_are_refused();
     wrong_counts_are_refused();

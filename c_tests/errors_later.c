@@ -564,6 +564,13 @@ static void control_points_that_make_no_field(void) {
     wide.counts[0] = wide.counts[1] = wide.counts[2] = 1u << 31;
     FAILS(ko_field_from_control_points(3, wide.counts, wide.box_min, wide.box_max, 0, 2.0, NULL, 0, &made),
           KO_ERR_INVALID_ARGUMENT, "but 0 are given");
+    /* Where sums would leave the range of doubles. */
+    for (int k = 0; k < 2; ++k) {
+        struct given huge = sound();
+        huge.numbers[7] = k == 0 ? 1.7e308 : -1.1e100;
+        FAILS(ko_field_from_control_points(3, huge.counts, huge.box_min, huge.box_max, 0, 2.0, huge.numbers, 125, &made),
+              KO_ERR_INVALID_ARGUMENT, k == 0 ? "control point 7 is 1.7e308" : "at most 1e100");
+    }
     struct given given = sound();
     FAILS(ko_field_from_control_points(3, NULL, given.box_min, given.box_max, 0, 2.0, given.numbers, 125, &made),
           KO_ERR_INVALID_ARGUMENT, "counts is NULL");

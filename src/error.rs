@@ -82,7 +82,7 @@ impl fmt::Display for Error {
                 write!(f, "{what} would take {bytes} bytes; the limit is {limit} bytes")
             }
             Error::OutOfMemory { what, bytes, limit: None } => {
-                write!(f, "{what} takes {bytes} bytes, which the system did not give")
+                write!(f, "the system did not give the {bytes} bytes for {what}")
             }
             Error::Io { path, message } => write!(f, "{}: {message}", path.display()),
             Error::Format { path, place, message } => match place {

@@ -45,12 +45,20 @@ fn write_through(file: File, write: impl Fn(&mut BufWriter<File>) -> io::Result<
 }
 
 /// A new file beside `target`. Names that are taken are passed over: they are another save's, or were left by a process of this number
-/// that was killed in one.
+/// that was killed in one. File systems take names of 255 bytes: where target's leaves no room for an ending, its beginning is used.
 fn create_beside(target: &Path) -> io::Result<(PathBuf, File)> {
     const MOST: u32 = 1000;
+    const LONGEST: usize = 255 - ".4294967295-1000.tmp".len();
+    let name = target.file_name().unwrap_or_default();
+    let mut stem = name.to_owned();
+    if name.len() > LONGEST {
+        let text = name.to_string_lossy();
+        let cut = text.char_indices().take_while(|(i, c)| i + c.len_utf8() <= LONGEST).map(|(_, c)| c);
+        stem = cut.collect::<String>().into();
+    }
     let mut number = 0;
     loop {
-        let mut name = target.file_name().unwrap_or_default().to_owned();
+        let mut name = stem.clone();
         name.push(format!(".{}-{number}.tmp", std::process::id()));
         let path = target.with_file_name(name);
         match File::options().write(true).create_new(true).open(&path) {
@@ -96,6 +104,20 @@ mod tests {
         replace(&path, |out| out.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert!(left.exists() && fs::read_dir(&dir).unwrap().count() == 2);
+        fs::remove_dir_all(dir).unwrap();
+    }
+
+    #[test]
+    fn names_may_be_as_long_as_the_file_system_takes() {
+        let dir = folder("long");
+        for name in ["x".repeat(255), "x".repeat(240), format!("x{}", "\u{e4}".repeat(127))] {
+            let path = dir.join(name);
+            for content in ["new", "newer"] {
+                replace(&path, |out| out.write_all(content.as_bytes())).unwrap();
+                assert_eq!(fs::read(&path).unwrap(), content.as_bytes());
+            }
+        }
+        assert_eq!(fs::read_dir(&dir).unwrap().count(), 3);
         fs::remove_dir_all(dir).unwrap();
     }
 

@@ -97,7 +97,7 @@ int main(int argc, char **argv)
     if (!options_read(argc, argv, &options))
         return EXIT_FAILURE;
     if (options.help) {
-        options_print_help();
+        options_print_help(&options);
         return EXIT_SUCCESS;
     }
     const bool ok = work(&options, &job);

@@ -9,7 +9,7 @@
 
 static const struct options DEFAULTS = {.points = 25000, .seed = 1, .picture = "keepout_field.png"};
 
-void options_print_help(void)
+void options_print_help(const struct options *options)
 {
     printf("usage: keepout_field [MESH] [options]\n"
            "Fits a smooth field to MESH (OBJ, STL, PLY or OFF, also gzipped; without one a trefoil knot that is made here),\n"
@@ -22,7 +22,7 @@ void options_print_help(void)
            "  --save FILE                write the field to FILE\n"
            "  --picture FILE             write the slice to FILE, a PNG (%s)\n"
            "  --help                     this text\n",
-           DEFAULTS.points, DEFAULTS.seed, DEFAULTS.threads, DEFAULTS.picture);
+           DEFAULTS.points, DEFAULTS.seed, DEFAULTS.threads, options->picture);
 }
 
 static bool read_number(const char *text, uint64_t largest, uint64_t *number)

@@ -21,6 +21,7 @@ struct options {
 /* Reads the command line; says on stderr what is wrong with it. */
 bool options_read(int argc, char **argv, struct options *options);
 
-void options_print_help(void);
+/* Tells the options, with the picture that `options` would write. */
+void options_print_help(const struct options *options);
 
 #endif

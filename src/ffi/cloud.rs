@@ -47,14 +47,15 @@ pub unsafe extern "C" fn ko_cloud_from_points(
 unsafe fn from_points<const D: usize>(points: *const f64, normals: *const f64, n: usize) -> Result<Cloud<D>> {
     // SAFETY: the caller's promise.
     let points = unsafe { array(points.cast::<[f64; D]>(), n, "points") }?;
-    let points = copied(points, "the points")?;
+    Cloud::<D>::check_count(n)?;
     if normals.is_null() {
+        let points = copied(points, "the points")?;
         let (cloud, _) = Cloud::with_estimated_normals(points, &NormalOptions::default(), &mut Progress::silent())?;
         return Ok(cloud);
     }
     // SAFETY: as above.
     let normals = unsafe { array(normals.cast::<[f64; D]>(), n, "normals") }?;
-    Cloud::new(points, copied(normals, "the normals")?)
+    Cloud::new(copied(points, "the points")?, copied(normals, "the normals")?)
 }
 
 /// Frees a cloud. NULL is taken. No other thread may be using it.
@@ -109,11 +110,12 @@ pub unsafe extern "C" fn ko_cloud_copy(
 unsafe fn copy<const D: usize>(cloud: &Cloud<D>, n: usize, points: *mut f64, normals: *mut f64) -> Result<()> {
     check_count("n_points", n, cloud.len())?;
     // SAFETY: the caller's promise.
-    if let Some(to) = unsafe { wanted(points.cast::<[f64; D]>(), n, "points") }? {
+    let (points, normals) =
+        unsafe { (wanted(points.cast::<[f64; D]>(), n, "points")?, wanted(normals.cast::<[f64; D]>(), n, "normals")?) };
+    if let Some(to) = points {
         to.copy_from_slice(cloud.points());
     }
-    // SAFETY: as above.
-    if let Some(to) = unsafe { wanted(normals.cast::<[f64; D]>(), n, "normals") }? {
+    if let Some(to) = normals {
         to.copy_from_slice(cloud.normals());
     }
     Ok(())
@@ -131,8 +133,10 @@ pub unsafe extern "C" fn ko_cloud_set_weights(cloud: *mut ko_cloud, weights: *co
         let ko_cloud(cloud) = unsafe { place(cloud, "cloud") }?;
         // SAFETY: the header asks for an array of this length.
         let weights = unsafe { array(weights, n_points, "weights") }?;
-        let weights = copied(weights, "the weights")?;
-        in_its_dimension!(cloud, cloud => cloud.set_weights(weights))
+        in_its_dimension!(cloud, cloud => {
+            cloud.check_weight_count(n_points)?;
+            cloud.set_weights(copied(weights, "the weights")?)
+        })
     })
 }
 
@@ -200,11 +204,12 @@ unsafe fn copy_origins<const D: usize>(
     };
     check_count("n_points", n, cloud.len())?;
     // SAFETY: the caller's promise.
-    if let Some(to) = unsafe { wanted(facets, n, "triangles") }? {
+    let (facets, barycentric) =
+        unsafe { (wanted(facets, n, "triangles")?, wanted(barycentric.cast::<[f64; D]>(), n, "barycentric")?) };
+    if let Some(to) = facets {
         to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.facet);
     }
-    // SAFETY: as above.
-    if let Some(to) = unsafe { wanted(barycentric.cast::<[f64; D]>(), n, "barycentric") }? {
+    if let Some(to) = barycentric {
         to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.barycentric);
     }
     Ok(())

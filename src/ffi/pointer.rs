@@ -58,11 +58,28 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, len: usize, name: &str) -> 
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
 }
 
-/// `len` places at `pointer`, which may be NULL when there are none.
+/// Numbers and arrays of them: whatever bytes C hands over are a value, so that it need not have written them.
 ///
 /// # Safety
-/// `pointer` is NULL or points to `len` initialised entries that live, and are used by no one else, for `'a`.
-pub(super) unsafe fn array_mut<'a, T>(pointer: *mut T, len: usize, name: &str) -> Result<&'a mut [T]> {
+/// Every pattern of bits is a value of `Self`.
+pub(super) unsafe trait Plain {}
+
+// SAFETY: plain numbers.
+unsafe impl Plain for u8 {}
+// SAFETY: as above.
+unsafe impl Plain for u32 {}
+// SAFETY: as above.
+unsafe impl Plain for usize {}
+// SAFETY: as above.
+unsafe impl Plain for f64 {}
+// SAFETY: an array has no padding.
+unsafe impl<T: Plain, const N: usize> Plain for [T; N] {}
+
+/// `len` places at `pointer`, which may be NULL when there are none. What stands in them is for no one to read.
+///
+/// # Safety
+/// `pointer` is NULL or points to `len` entries that live, and are used by no one else, for `'a`.
+pub(super) unsafe fn array_mut<'a, T: Plain>(pointer: *mut T, len: usize, name: &str) -> Result<&'a mut [T]> {
     if len == 0 {
         return Ok(&mut []);
     }
@@ -75,7 +92,7 @@ pub(super) unsafe fn array_mut<'a, T>(pointer: *mut T, len: usize, name: &str) -
 ///
 /// # Safety
 /// As for [`array_mut`].
-pub(super) unsafe fn wanted<'a, T>(pointer: *mut T, len: usize, name: &str) -> Result<Option<&'a mut [T]>> {
+pub(super) unsafe fn wanted<'a, T: Plain>(pointer: *mut T, len: usize, name: &str) -> Result<Option<&'a mut [T]>> {
     if pointer.is_null() {
         return Ok(None);
     }

@@ -19,7 +19,7 @@
 //! end  u32 CRC-32 (IEEE 802.3) of all before
 //! ```
 
-use super::{Feasible, Field, FitReport, domain};
+use super::{Feasible, Field, FitReport, domain, unusable};
 use crate::Result;
 use crate::dimension::OfDimension;
 use crate::error::{Error, Place, try_with_capacity};
@@ -132,8 +132,7 @@ fn read(path: &Path) -> Result<(Header, Vec<f64>)> {
     }
     let mut coefficients = try_with_capacity(n as usize, "the control points")?;
     coefficients.extend(numbers.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
-    if let Some(i) = coefficients.iter().position(|c| !c.is_finite()) {
-        let message = format!("control point {i} is {}; it must be finite", coefficients[i]);
+    if let Some((i, message)) = unusable(&coefficients) {
         return Err(wrong(Place::Byte(HEADER + 8 * i), message));
     }
     Ok((fields, coefficients))

@@ -8,8 +8,8 @@ use super::system::{Diagonal, PATIENCE};
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
 use crate::Result;
 use crate::error::{Error, try_vec};
-use crate::geometry::Cloud;
 use crate::geometry::vec::text;
+use crate::geometry::{Bounds, Cloud};
 use crate::linalg::cg::{self, Stop};
 use crate::par::Workers;
 use crate::progress::Progress;
@@ -45,12 +45,13 @@ impl<const D: usize> Field<D> {
     /// Fits a field to `cloud`: minimises the energy (10), with the departures of this room, over the control points.
     pub fn fit(cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
+        let n_points = cloud.counted_points().count();
+        let target = chosen_control_points::<D>(n_points);
+        let asked_for = std::array::from_fn(|a| options.control_points[a]);
+        let grid = domain::grid(&Bounds::of(cloud.counted_points()), options.margin, asked_for, target)?;
+        check_size(n_points, &grid, options.memory_limit)?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
-        let target = chosen_control_points::<D>(cloud.len());
-        let asked_for = std::array::from_fn(|a| options.control_points[a]);
-        let grid = domain::grid(&cloud.bounds(), options.margin, asked_for, target)?;
-        check_size(cloud.len(), &grid, options.memory_limit)?;
         let start = try_vec(grid.n_control(), 0.0, "the control points")?;
         fit_on(grid, start, cloud, options, progress)
     }
@@ -60,6 +61,7 @@ impl<const D: usize> Field<D> {
     /// outside the box.
     pub fn refit(&self, cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
+        check_size(cloud.counted_points().count(), &self.grid, options.memory_limit)?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
         if let Some(i) = cloud.points().iter().position(|p| !self.grid.holds(p)) {
@@ -68,7 +70,6 @@ impl<const D: usize> Field<D> {
                 "point {i} is {p}, outside the field's box; fit anew, or with a larger margin before"
             )));
         }
-        check_size(cloud.len(), &self.grid, options.memory_limit)?;
         let d = domain::diagonal(&cloud.bounds())?;
         let cell = self.grid.longest_cell();
         if cell > LARGEST_CELL * d {

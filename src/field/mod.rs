@@ -107,8 +107,7 @@ impl<const D: usize> Field<D> {
             let text = format!("the grid has {n} control points, but {given} are given; as many are needed");
             return Err(Error::InvalidArgument(text));
         }
-        if let Some(i) = control_points.iter().position(|c| !c.is_finite()) {
-            let text = format!("control point {i} is {}; it must be finite", control_points[i]);
+        if let Some((_, text)) = unusable(&control_points) {
             return Err(Error::InvalidArgument(text));
         }
         let report = FitReport {
@@ -155,6 +154,17 @@ impl<const D: usize> Field<D> {
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>()
     }
+}
+
+/// Control points up to this size keep evaluations in the box in the range of doubles: Hessians divide by a cell twice, of 1e-90 and more.
+const LARGEST_CONTROL_POINT: f64 = 1e100;
+
+/// The first control point that no field can have, and why.
+fn unusable(control_points: &[f64]) -> Option<(usize, String)> {
+    // A NaN compares as false.
+    let i = control_points.iter().position(|c| !(c.abs() <= LARGEST_CONTROL_POINT))?;
+    let c = control_points[i];
+    Some((i, format!("control point {i} is {c:?}; it must be finite, and at most {LARGEST_CONTROL_POINT:e} in size")))
 }
 
 #[cfg(test)]

@@ -30,15 +30,7 @@ pub struct Cloud<const D: usize = 3> {
 impl<const D: usize> Cloud<D> {
     /// A cloud of `points` with `normals` of any length but 0.
     pub fn new(points: Vec<[f64; D]>, mut normals: Vec<[f64; D]>) -> Result<Self> {
-        if points.is_empty() {
-            return Err(Error::InvalidArgument("the cloud has no points; at least 1 is needed".into()));
-        }
-        // Three corners a surfel are counted in 32 bits.
-        const MOST: usize = 1 << 30;
-        if points.len() > MOST {
-            let n = points.len();
-            return Err(Error::InvalidArgument(format!("the cloud has {n} points; at most {MOST} are taken")));
-        }
+        Self::check_count(points.len())?;
         if points.len() != normals.len() {
             return Err(Error::InvalidArgument(format!(
                 "{} points come with {} normals; one normal a point is needed",
@@ -63,6 +55,17 @@ impl<const D: usize> Cloud<D> {
         Ok(Cloud { points, normals, origins: None, weights: None })
     }
 
+    /// Refuses to have no points, or too many.
+    pub(crate) fn check_count(n: usize) -> Result<()> {
+        // Three corners a surfel are counted in 32 bits.
+        const MOST: usize = 1 << 30;
+        match n {
+            0 => Err(Error::InvalidArgument("the cloud has no points; at least 1 is needed".into())),
+            1..=MOST => Ok(()),
+            _ => Err(Error::InvalidArgument(format!("the cloud has {n} points; at most {MOST} are taken"))),
+        }
+    }
+
     /// The cloud with the places on a mesh from which its points were taken, one a point.
     pub(crate) fn with_origins(mut self, origins: Vec<Origin<D>>) -> Self {
         debug_assert_eq!(origins.len(), self.points.len());
@@ -73,12 +76,7 @@ impl<const D: usize> Cloud<D> {
     /// Gives each point a weight, `weights` `[N]`: how much a fit trusts it, compared with the others. A point of weight 0 takes no part in a
     /// fit, as if it were not there.
     pub fn set_weights(&mut self, weights: Vec<f64>) -> Result<()> {
-        if weights.len() != self.len() {
-            let (n, points) = (weights.len(), self.len());
-            return Err(Error::InvalidArgument(format!(
-                "{points} points come with {n} weights; one a point is needed"
-            )));
-        }
+        self.check_weight_count(weights.len())?;
         if let Some(i) = weights.iter().position(|w| !(0.0..=LARGEST_WEIGHT).contains(w)) {
             let w = weights[i];
             return Err(Error::InvalidArgument(format!("weight {i} is {w}; it must lie in [0, {LARGEST_WEIGHT:e}]")));
@@ -88,6 +86,21 @@ impl<const D: usize> Cloud<D> {
         }
         self.weights = Some(weights);
         Ok(())
+    }
+
+    /// Refuses `n` weights where there are not as many points.
+    pub(crate) fn check_weight_count(&self, n: usize) -> Result<()> {
+        if n == self.len() {
+            return Ok(());
+        }
+        let points = self.len();
+        Err(Error::InvalidArgument(format!("{points} points come with {n} weights; one a point is needed")))
+    }
+
+    /// The places of the points that count.
+    pub(crate) fn counted_points(&self) -> impl Iterator<Item = &[f64; D]> + Clone {
+        let counts = |i: usize| self.weights.as_ref().is_none_or(|w| w[i] > 0.0);
+        self.points.iter().enumerate().filter(move |(i, _)| counts(*i)).map(|(_, p)| p)
     }
 
     /// The points that count, without origins; `None` where all do.

@@ -1,7 +1,8 @@
 //! Exact distance from points to a mesh, and the side they lie on.
 //!
 //! The closest point comes from a depth-first search of the tree of boxes, the nearer child first, boxes farther than the best
-//! point skipped. The side comes from the generalised winding number (`winding.rs`), so open meshes have sides too.
+//! point skipped. The side comes from the generalised winding number (`winding.rs`), so open meshes have sides too,
+//! inside where the mesh takes up half of what one sees or more: a flat sheet has no inside.
 
 use super::bvh::{Bvh, STACK_SIZE};
 use super::facet::{self, Closest, closest};
@@ -55,7 +56,7 @@ impl<const D: usize> DistanceTree<D> {
         let tree = Bvh::new(shrunk.facets().len(), |f| Bounds::of(&shrunk.corners(f)))?;
         let mut corners = try_with_capacity(tree.order.len(), "the facets of the distance tree")?;
         corners.extend(tree.order.iter().map(|&t| shrunk.corners(t as usize)));
-        let winding = Winding::new(&tree, &corners)?;
+        let winding = Winding::new(&shrunk, &tree, &corners)?;
         Ok(DistanceTree { bounds: mesh.bounds(), unit, tree, corners, winding })
     }
 

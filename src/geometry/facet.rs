@@ -64,6 +64,15 @@ pub(super) fn solid_angle<const D: usize>(p: [f64; D], corners: &[[f64; D]; D]) 
     }
 }
 
+/// Cosine and sine of 2 pi w, times a common factor; w is the facet's winding number around `p`, the solid angle by that of all directions.
+#[inline]
+pub(super) fn turn<const D: usize>(p: [f64; D], corners: &[[f64; D]; D]) -> [f64; 2] {
+    match D {
+        2 => segment::angle(cut(p), &cut_all(corners)),
+        _ => triangle::half_angle(cut(p), &cut_all(corners)),
+    }
+}
+
 /// The first N coordinates; zeros where there are fewer. What D is told by `match` alone, this tells the compiler.
 #[inline]
 pub(super) fn cut<const M: usize, const N: usize>(a: [f64; M]) -> [f64; N] {

@@ -24,15 +24,7 @@ impl<const D: usize> Mesh<D> {
     pub fn new(vertices: Vec<[f64; D]>, facets: Vec<[u32; D]>) -> Result<Self> {
         const { assert!(D == 2 || D == 3, "meshes are of the plane or of space") };
         let name = Self::FACET;
-        if facets.is_empty() {
-            return Err(Error::InvalidArgument(format!("the mesh has no {name}s; at least 1 is needed")));
-        }
-        // Trees over the facets count up to twice as many nodes in 32 bits.
-        const MOST: usize = (1 << 31) - 1;
-        if facets.len() > MOST {
-            let n = facets.len();
-            return Err(Error::InvalidArgument(format!("the mesh has {n} {name}s; at most {MOST} are taken")));
-        }
+        Self::check_count(facets.len())?;
         if let Some((i, v)) = vertices.iter().enumerate().find(|(_, v)| !is_finite(&v[..])) {
             return Err(Error::InvalidArgument(format!("vertex {i} is {}; coordinates must be finite", text(v))));
         }
@@ -45,6 +37,18 @@ impl<const D: usize> Mesh<D> {
             )));
         }
         Ok(Mesh { vertices, facets, distance_tree: OnceLock::new() })
+    }
+
+    /// Refuses to have no facets, or too many.
+    pub(crate) fn check_count(n: usize) -> Result<()> {
+        // Trees over the facets count up to twice as many nodes in 32 bits.
+        const MOST: usize = (1 << 31) - 1;
+        let name = Self::FACET;
+        match n {
+            0 => Err(Error::InvalidArgument(format!("the mesh has no {name}s; at least 1 is needed"))),
+            1..=MOST => Ok(()),
+            _ => Err(Error::InvalidArgument(format!("the mesh has {n} {name}s; at most {MOST} are taken"))),
+        }
     }
 
     /// Vertices [V x D].

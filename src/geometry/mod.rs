@@ -51,6 +51,7 @@ mod predicate;
 pub mod random;
 pub mod read;
 pub mod report;
+mod rim;
 pub mod sample;
 mod segment;
 pub mod shapes;

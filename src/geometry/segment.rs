@@ -14,11 +14,16 @@ pub(super) fn closest(p: [f64; 2], &[a, b]: &[[f64; 2]; 2]) -> Closest<2> {
     Closest { distance_squared: dot(d, d), barycentric: [1.0 - t, t] }
 }
 
-/// Angle of segment (a, b) seen from p, positive from behind: from its left. The product is taken with the edge, so that it keeps its
-/// figures when p is far.
+/// Angle of segment (a, b) seen from p, positive from behind: from its left.
 pub(super) fn solid_angle(p: [f64; 2], corners: &[[f64; 2]; 2]) -> f64 {
+    let [x, y] = angle(p, corners);
+    y.atan2(x)
+}
+
+/// Cosine and sine of the angle, times a common factor. The product is taken with the edge, so that it keeps its figures when p is far.
+pub(super) fn angle(p: [f64; 2], corners: &[[f64; 2]; 2]) -> [f64; 2] {
     let [a, b] = corners.map(|c| sub(c, p));
-    dot(a, normal(corners)).atan2(dot(a, b))
+    [dot(a, b), dot(a, normal(corners))]
 }
 
 #[cfg(test)]

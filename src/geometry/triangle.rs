@@ -77,13 +77,19 @@ fn closest_on_needle(edges: [Vec3; 3]) -> Closest<3> {
     rest.into_iter().fold(first, |best, c| if c.distance_squared < best.distance_squared { c } else { best })
 }
 
-/// Solid angle of triangle (a, b, c) seen from p, positive from behind: van Oosterom and Strackee, "The solid angle of a plane
-/// triangle" (1983), equation (8). The triple product is taken with the edges, so that it keeps its figures when p is far.
-pub(super) fn solid_angle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> f64 {
+/// Solid angle of triangle (a, b, c) seen from p, positive from behind.
+pub(super) fn solid_angle(p: Vec3, corners: &[Vec3; 3]) -> f64 {
+    let [x, y] = half_angle(p, corners);
+    2.0 * y.atan2(x)
+}
+
+/// Cosine and sine of half the solid angle, times a common factor: van Oosterom and Strackee, "The solid angle of a plane triangle" (1983),
+/// equation (8). The triple product is taken with the edges, so that it keeps its figures when p is far.
+pub(super) fn half_angle(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> [f64; 2] {
     let n = cross(sub(b, a), sub(c, a));
     let (a, b, c) = (sub(a, p), sub(b, p), sub(c, p));
     let (la, lb, lc) = (norm(a), norm(b), norm(c));
-    2.0 * dot(a, n).atan2(la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb)
+    [la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb, dot(a, n)]
 }
 
 #[cfg(test)]

@@ -11,10 +11,13 @@
 //! | 2018 | Taylor expansion to the first order | [`Moments::far_field`] |
 //! | 2018 | its use from beta radii on | [`Winding::approximate`] |
 //!
-//! A side is decided by w < 1/2. Where the expansion is not clear of 1/2, it is refined, and at last replaced by the exact sum.
+//! A side is decided by w < 1/2. Where the expansion is not clear of 1/2, it is refined, and at last replaced by what the mesh's rim tells
+//! ([`Closing`]): behind a flat sheet w comes as near to 1/2 as one likes. Where the rim is longer than the mesh, all facets are summed.
 
+use super::Mesh;
 use super::bvh::{Bvh, STACK_SIZE};
 use super::facet::{all_directions, normal, solid_angle};
+use super::rim::Closing;
 use super::vec::{add, dot, norm, scale, sub};
 use crate::Result;
 use crate::error::try_vec;
@@ -34,6 +37,12 @@ pub(super) enum Side {
     Outside,
     /// w >= 1/2
     Inside,
+}
+
+impl Side {
+    fn of(w: f64) -> Self {
+        if w < 0.5 { Side::Outside } else { Side::Inside }
+    }
 }
 
 /// The facets below a node, seen from afar.
@@ -56,11 +65,12 @@ struct Moments<const D: usize> {
 pub(super) struct Winding<const D: usize> {
     /// One a node of the tree.
     moments: Vec<Moments<D>>,
+    closing: Option<Closing<D>>,
 }
 
 impl<const D: usize> Winding<D> {
-    /// `corners` are in the tree's order.
-    pub fn new(tree: &Bvh<D>, corners: &[[[f64; D]; D]]) -> Result<Self> {
+    /// `corners` are those of the mesh in the tree's order.
+    pub fn new(mesh: &Mesh<D>, tree: &Bvh<D>, corners: &[[[f64; D]; D]]) -> Result<Self> {
         let nothing =
             Moments { center: [0.0; D], radius_squared: 0.0, dipole: [0.0; D], quadrupole: [[0.0; D]; 2], area: 0.0 };
         let mut moments = try_vec(tree.nodes.len(), nothing, "the far fields")?;
@@ -75,15 +85,29 @@ impl<const D: usize> Winding<D> {
             let farthest = |a: usize| (node.bounds.max[a] - c[a]).max(c[a] - node.bounds.min[a]);
             moments[i].radius_squared = (0..D).map(|a| farthest(a) * farthest(a)).sum();
         }
-        Ok(Winding { moments })
+        Ok(Winding { moments, closing: Closing::of(mesh)? })
     }
 
     /// The side of `q`.
     pub fn side(&self, tree: &Bvh<D>, corners: &[[[f64; D]; D]], q: [f64; D]) -> Side {
-        let passes = PASSES.iter().map(|pass| (self.approximate(tree, corners, q, pass.beta), pass.margin));
-        let clear = passes.into_iter().find(|(w, margin)| (w - 0.5).abs() > *margin);
-        let w = clear.map_or_else(|| Winding::exact(corners, q), |(w, _)| w);
-        if w < 0.5 { Side::Outside } else { Side::Inside }
+        let mut w = f64::NAN;
+        for pass in &PASSES {
+            w = self.approximate(tree, corners, q, pass.beta);
+            if (w - 0.5).abs() > pass.margin {
+                return Side::of(w);
+            }
+        }
+        Side::of(self.by_rim(w, q).unwrap_or_else(|| Winding::exact(corners, q)))
+    }
+
+    /// w by what closes the mesh, from a rough w; `None` where the two are not an integer together, as where rounding blurs a closing facet
+    /// on whose edge `q` lies.
+    fn by_rim(&self, rough: f64, q: [f64; D]) -> Option<f64> {
+        const TOLERANCE: f64 = 0.1;
+        let closing = self.closing.as_ref()?.fraction(q);
+        let together = (rough + closing).round();
+        let w = together - closing;
+        ((w - rough).abs() < TOLERANCE).then_some(w)
     }
 
     /// w by the first pass.
@@ -168,10 +192,10 @@ impl<const D: usize> Moments<D> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Bounds;
     use super::super::random::SplitMix64;
     use super::super::shapes::{sphere, torus};
     use super::super::vec::Vec3;
-    use super::super::{Bounds, Mesh};
     use super::*;
 
     struct Prepared {
@@ -183,7 +207,7 @@ mod tests {
     fn prepare(mesh: &Mesh) -> Prepared {
         let tree = Bvh::new(mesh.triangles().len(), |t| Bounds::of(&mesh.corners(t))).unwrap();
         let corners: Vec<_> = tree.order.iter().map(|&t| mesh.corners(t as usize)).collect();
-        let winding = Winding::new(&tree, &corners).unwrap();
+        let winding = Winding::new(mesh, &tree, &corners).unwrap();
         Prepared { tree, corners, winding }
     }
 
@@ -232,5 +256,65 @@ mod tests {
         };
         let ratio = error(10.0) / error(20.0);
         assert!(ratio > 14.0, "{ratio}");
+    }
+
+    /// `n` x `n` squares of the unit square in z = 0, each cut in two, its normals up; triangles share their
+    /// vertices, or have their own.
+    fn sheet(n: usize, shared: bool) -> Mesh {
+        let at = |i: usize, j: usize| [i as f64 / n as f64, j as f64 / n as f64, 0.0];
+        let squares = (0..n * n).map(|k| (k / n, k % n));
+        let corners = squares.flat_map(|(i, j)| {
+            [[at(i, j), at(i + 1, j), at(i + 1, j + 1)], [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+        });
+        let corners: Vec<[Vec3; 3]> = corners.collect();
+        if !shared {
+            let triangles = (0..corners.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+            return Mesh::new(corners.concat(), triangles).unwrap();
+        }
+        let number = |p: &Vec3| ((p[0] * n as f64).round() * (n + 1) as f64 + (p[1] * n as f64).round()) as u32;
+        let vertices = (0..(n + 1) * (n + 1)).map(|k| at(k / (n + 1), k % (n + 1))).collect();
+        Mesh::new(vertices, corners.iter().map(|t| [0, 1, 2].map(|k| number(&t[k]))).collect()).unwrap()
+    }
+
+    #[test]
+    fn rims_tell_what_all_facets_do() {
+        let ball = sphere([0.0; 3], 1.0, 4).unwrap();
+        let cap = ball.triangles().iter().copied().filter(|t| t.iter().all(|&v| ball.vertices()[v as usize][0] > 0.3));
+        let cap = Mesh::new(ball.vertices().to_vec(), cap.collect()).unwrap();
+        let mut random = SplitMix64::new(12);
+        for mesh in [cap, sheet(30, true), sheet(30, false), torus(3.0, 1.0, 40, 30).unwrap()] {
+            let Prepared { tree, corners, winding } = prepare(&mesh);
+            let (low, extents) = (mesh.bounds().min, mesh.bounds().extents());
+            for i in 0..600 {
+                let mut q: Vec3 = std::array::from_fn(|a| low[a] + extents[a].max(0.1) * random.between(-0.2, 1.2));
+                if i % 2 == 0 {
+                    q[2] -= 10.0_f64.powi(-(i % 9));
+                }
+                let exact = Winding::exact(&corners, q);
+                let rough = winding.approximate(&tree, &corners, q, PASSES[1].beta);
+                let told = winding.by_rim(rough, q).expect("the point lies beside the closing facets' edges");
+                assert!((told - exact).abs() < 1e-10, "{q:?}: {told} for {exact}");
+                assert_eq!(winding.side(&tree, &corners, q), Side::of(exact));
+            }
+        }
+    }
+
+    #[test]
+    fn behind_a_flat_sheet_as_many_facets_are_asked_as_its_rim_has_edges() {
+        for shared in [true, false] {
+            let Prepared { tree, corners, winding } = prepare(&sheet(40, shared));
+            assert_eq!(winding.closing.as_ref().map(Closing::len), Some(160));
+            for q in [[0.4, 0.3, -1e-3], [0.4, 0.3, -1e-9], [0.5, 0.5, -1e-12], [0.4, 0.3, 1e-9]] {
+                assert!(winding.by_rim(winding.approximate(&tree, &corners, q, 6.0), q).is_some());
+                assert_eq!(winding.side(&tree, &corners, q), Side::Outside);
+            }
+        }
+    }
+
+    #[test]
+    fn soups_have_no_rim_to_ask() {
+        let apart: Vec<Vec3> = (0..30).map(|i| [f64::from(i), f64::from(i % 3 * i), f64::from(i % 2)]).collect();
+        let soup = prepare(&Mesh::new(apart, (0..10).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect()).unwrap());
+        assert!(soup.winding.closing.is_none());
     }
 }

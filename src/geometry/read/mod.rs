@@ -1,7 +1,7 @@
 //! Meshes from files: OBJ, OFF, PLY and STL, each also packed with gzip.
 //!
-//! OBJ goes through the crate `tobj`. The other three have readers of their own, because the crates at hand give neither
-//! line nor byte of an error and allocate what a header claims.
+//! All have readers of their own, because the crates at hand give neither line nor byte of an error, and allocate what a header claims
+//! or cannot say that memory ran out.
 //!
 //! What a reader promises, on any bytes: no panic, an error that names its line or byte, and memory in proportion to the
 //! bytes that are there, never to the counts that a header claims. Polygons are cut into a fan around their first corner;

@@ -179,6 +179,27 @@ fn obj_keeps_the_numbers_of_the_file() {
 }
 
 #[test]
+fn obj_corners_take_every_form() {
+    let vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+    for (face, triangles) in [
+        ("f 1 2 3", &[[0, 1, 2]][..]),
+        ("f 1/9 2/8 3/7", &[[0, 1, 2]]),
+        ("f 1//9 2//8 3//7", &[[0, 1, 2]]),
+        ("f 1/9/9 2/8/8 3/7/7 # the first", &[[0, 1, 2]]),
+        ("f\t-4 -3/1 -1//2", &[[0, 1, 3]]),
+        ("f 1 2 \\\r\n 4 3\r\n", &[[0, 1, 3], [0, 3, 2]]),
+        ("g a b\ns off\nf 1 2 3\ng\nl 1 2\nf 2 4 3", &[[0, 1, 2], [1, 3, 2]]),
+    ] {
+        for text in [format!("{vertices}{face}"), format!("{vertices}{face}").replace('\n', "\r\n")] {
+            assert_eq!(parse(Format::Obj, text.as_bytes()).unwrap().triangles(), triangles, "{text:?}");
+        }
+    }
+    // Negative numbers count from where they stand, not from the end of the file.
+    let early = parse(Format::Obj, format!("{vertices}f -4 -3 -2\nv 9 9 9\n").as_bytes()).unwrap();
+    assert_eq!((early.triangles(), early.vertices().len()), (&[[0, 1, 2]][..], 5));
+}
+
+#[test]
 fn obj_faults_name_their_line() {
     let cases = [
         ("v 0 0\nf 1 1 1", 1, "3 coordinates"),
@@ -191,6 +212,8 @@ fn obj_faults_name_their_line() {
         ("v 0 0 0\nf 1 1 /1", 2, "without vertex, `/1`"),
         ("v 0 0 0\r\nf 1 1 b\r\n", 2, "`f 1 1 b`"),
         ("v 0 0 0\nf 1 1 99999999999999999999", 2, "a face needs"),
+        ("v 0 0 0\nf -1 -1 -2\nv 0 0 0", 2, "names vertex -2; 1 to 2, or -1 to -1 here"),
+        ("v 0 0 0\nf 1 \\\n1 \\\n2", 2, "names vertex 2"),
     ];
     for (text, line, words) in cases {
         let (place, message) = fault(Format::Obj, text);
