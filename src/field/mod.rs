@@ -162,7 +162,8 @@ const LARGEST_CONTROL_POINT: f64 = 1e100;
 /// The first control point that no field can have, and why.
 fn unusable(control_points: &[f64]) -> Option<(usize, String)> {
     // A NaN compares as false.
-    let i = control_points.iter().position(|c| !(c.abs() <= LARGEST_CONTROL_POINT))?;
+    let served = |c: &f64| c.abs() <= LARGEST_CONTROL_POINT;
+    let i = control_points.iter().position(|c| !served(c))?;
     let c = control_points[i];
     Some((i, format!("control point {i} is {c:?}; it must be finite, and at most {LARGEST_CONTROL_POINT:e} in size")))
 }
