@@ -61,7 +61,7 @@ mod tests {
     use crate::field::energy::EnergyWeights;
     use crate::field::levels;
     use crate::geometry::random::SplitMix64;
-    use crate::geometry::shapes::sphere;
+    use crate::geometry::shapes::{circle, sphere};
     use crate::linalg::cg::System as _;
     use crate::spline::{Axis, Grid};
 
@@ -140,6 +140,30 @@ mod tests {
             assert!(apart < 1e-5 * size, "{n_cells:?}: {apart:e} of {size:e}");
             assert!(iterations <= 60, "{n_cells:?}: {iterations}");
             assert_eq!((iterations, y), solve(&mut energy, true, 2), "threads change bits at {n_cells:?}");
+        }
+    }
+
+    #[test]
+    fn the_plane_has_a_multigrid_too() {
+        for (n_cells, held) in [([40, 33], true), ([9, 70], false), ([64, 64], false)] {
+            let cloud = circle([0.5; 2], 0.4, 400).unwrap().sample(500, 1).unwrap();
+            let axes = n_cells.map(|n| Axis { lower: 0.0, cell: 1.0 / n as f64, n_cells: n });
+            let grid = Grid { axes };
+            let data = Data::new(&cloud, &grid).unwrap();
+            let mut energy = Energy::new(data, grid, EnergyWeights { normal: 1e-4, smooth: 3e-10 }).unwrap();
+            if held {
+                let far = FarDistances::new(cloud, &grid, &Workers::caller_only(), |_| Ok(())).unwrap();
+                energy.hold(far, 150.0).unwrap();
+            }
+            energy.reserve().unwrap();
+            let (_, x) = solve(&mut energy, false, 1);
+            let (iterations, y) = solve(&mut energy, true, 1);
+            let size = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            let apart = x.iter().zip(&y).fold(0.0, |m: f64, (x, y)| m.max((x - y).abs()));
+            assert!(
+                apart < 1e-5 * size && iterations <= 60,
+                "{n_cells:?}: {iterations} iterations, {apart:e} of {size:e}"
+            );
         }
     }
 }
