@@ -7,7 +7,8 @@
 
 namespace bench {
 
-// Closest points of triangles or, in the plane, segments. In plain doubles, which is CGAL's fastest kernel: as a peer it shall not be slowed.
+// Closest points of triangles or, in the plane, segments. In plain doubles, which is CGAL's fastest kernel: as a peer it shall not be
+// slowed.
 class ClosestPoints {
 public:
     explicit ClosestPoints(const Facets &mesh);
@@ -21,8 +22,8 @@ private:
     std::unique_ptr<Trees> trees_;
 };
 
-// Exact signed distances of `points` [n x dim], positive outside. An open mesh has no side by CGAL: there the library's winding number tells
-// it.
+// Exact signed distances of `points` [n x dim], positive outside. An open mesh has no side by CGAL: there the library's winding number
+// tells it.
 std::vector<double> exact_distances(const Mesh &mesh, const std::vector<double> &points);
 
 const char *oracle_version();

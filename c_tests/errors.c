@@ -1,5 +1,5 @@
-/* Every error code but KO_ERR_INTERNAL, which no caller can provoke (its test is in src/ffi/guard.rs), and every argument refused that version
- * 0.1 knew. Those of later calls: errors_later.c. */
+/* Every error code but KO_ERR_INTERNAL, which no caller can provoke (its test is in src/ffi/guard.rs), and every argument refused that
+ * version 0.1 knew. Those of later calls: errors_later.c. */
 
 #include "check.h"
 

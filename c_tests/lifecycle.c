@@ -299,8 +299,8 @@ static void points_outside_the_box_are_told(void) {
     ko_field_free(field);
 }
 
-/* A caller with a newer, longer struct is served while the rest is 0. (Shorter ones than the first version's: see errors.c.) Later libraries
- * run this program too and may know the first of these bytes, but not the last for long. */
+/* A caller with a newer, longer struct is served while the rest is 0. (Shorter ones than the first version's: see errors.c.) Later
+ * libraries run this program too and may know the first of these bytes, but not the last for long. */
 static void structs_of_other_versions_are_served(void) {
     ko_field *field = check_sphere_field(6);
     struct {

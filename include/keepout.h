@@ -134,8 +134,8 @@
 #define KO_REWEIGHT_LARGEST 0
 
 /**
- * Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more, the
- * first of them much smoother.
+ * Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more,
+ * the first of them much smoother.
  */
 #define KO_REWEIGHT_ROBUST 1
 
@@ -155,8 +155,8 @@ typedef struct ko_field ko_field;
 typedef struct ko_mesh ko_mesh;
 
 /**
- * What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length for
- * area, area for volume; entries along z are 0.
+ * What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length
+ * for area, area for volume; entries along z are 0.
  */
 typedef struct ko_mesh_report {
     /**
@@ -234,8 +234,8 @@ typedef struct ko_mesh_report {
 } ko_mesh_report;
 
 /**
- * Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0 cancels.
- * It must not unwind, throw or jump out.
+ * Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0
+ * cancels. It must not unwind, throw or jump out.
  */
 typedef int32_t (*ko_progress)(double fraction, const char *stage, void *data);
 
@@ -248,8 +248,8 @@ typedef struct ko_normal_options {
      */
     size_t struct_size;
     /**
-     * Nearest neighbours that a normal is taken from, in [3, 64]; 0 (the default) for 10 in space and 4 in the plane. More smooth noise, and
-     * edges with it.
+     * Nearest neighbours that a normal is taken from, in [3, 64]; 0 (the default) for 10 in space and 4 in the plane. More smooth noise,
+     * and edges with it.
      */
     uint32_t neighbours;
     /**
@@ -321,8 +321,8 @@ typedef struct ko_smooth_options {
      */
     size_t struct_size;
     /**
-     * Nearest points that a point is smoothed by, itself among them, in [4, 128]; 0 (the default) for 40 in space and 12 in the plane. More
-     * smooth more.
+     * Nearest points that a point is smoothed by, itself among them, in [4, 128]; 0 (the default) for 40 in space and 12 in the plane.
+     * More smooth more.
      */
     uint32_t neighbours;
     /**
@@ -363,8 +363,8 @@ typedef struct ko_fit_options {
      */
     uint32_t control_points[3];
     /**
-     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them once all
-     * the same. Default 3.
+     * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them
+     * once all the same. Default 3.
      */
     uint32_t reweightings;
     /**
@@ -529,8 +529,8 @@ typedef struct ko_level_set_options {
      */
     size_t struct_size;
     /**
-     * Lattice edges per cell of the field, along each axis, in [1, 1024]. What is thinner than a lattice edge may be missed, or joined: this
-     * decides the topology, and most of the cost. Default 4.
+     * Lattice edges per cell of the field, along each axis, in [1, 1024]. What is thinner than a lattice edge may be missed, or joined:
+     * this decides the topology, and most of the cost. Default 4.
      */
     uint32_t subdivisions;
     /**
@@ -635,9 +635,9 @@ int32_t ko_mesh_from_triangles(const double *vertices,
 /**
  * Makes a mesh of the plane from polylines: `points` [2 * n_points], of which polyline i begins at `loop_starts`[i] [n_loops].
  *
- * `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last; 0:
- * none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that repeats
- * the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
+ * `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last;
+ * 0: none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that
+ * repeats the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
  * Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
  * that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
  * same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
@@ -691,11 +691,11 @@ int32_t ko_mesh_get_polylines_size(const struct ko_mesh *mesh,
                                    size_t *n_loops);
 
 /**
- * Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of which
- * polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
+ * Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of
+ * which polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
  *
- * Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A solid
- * lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
+ * Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A
+ * solid lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
  * Errors: KO_ERR_INVALID_ARGUMENT, also for a mesh of space and for other counts; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: that of
  * `ko_mesh_get_polylines_size`, and a copy.
  */
@@ -728,8 +728,8 @@ int32_t ko_mesh_flip(struct ko_mesh *mesh);
  * plane evenly by length.
  *
  * Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and
- * barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's
- * to free.
+ * barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the
+ * caller's to free.
  * Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
  * Threads: any. Cost: O(n_points log n_points + n_triangles).
  */
@@ -741,9 +741,12 @@ int32_t ko_mesh_sample(const struct ko_mesh *mesh,
 /**
  * Exact signed distances of `points` [dim * n_points] to the mesh, into `distances` [n_points]: positive outside, in the mesh's unit.
  *
- * The side is that of the generalised winding number (Jacobson et al. 2013), inside from 1/2 on, so that open meshes have sides too.
+ * The side is that of the generalised winding number W (Jacobson et al. 2013), inside from 1/2 on. By this rule an open mesh has an inside
+ * only where it takes up half of what is seen from there: a bowl has one, a flat sheet has none, and its distances are positive behind it
+ * too. The two sides of a sheet are told by `ko_cloud_sides`, of a sample of the mesh, and by the sign of a field fitted to one.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
- * Threads: any number at once. Cost: O(log n_triangles) a point; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
+ * Threads: any number at once. Cost: O(log n_triangles) a point, and where W is within 0.02 of 1/2, as close behind a flat sheet, some
+ * tens of nanoseconds more for each edge of the mesh's rim; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
  */
 int32_t ko_mesh_signed_distance(const struct ko_mesh *mesh,
                                 const double *points,
@@ -789,7 +792,8 @@ int32_t ko_cloud_copy(const struct ko_cloud *cloud, size_t n_points, double *poi
 /**
  * Gives each point a weight, `weights` [n_points]: how much a fit trusts it, compared with the others. All count alike without.
  *
- * A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is copied.
+ * A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is
+ * copied.
  * Errors: KO_ERR_INVALID_ARGUMENT for a weight that is negative, not a number or above 1e100, naming the first, and where all are 0;
  * KO_ERR_OUT_OF_MEMORY. After an error the weights are as they were. No other thread may be using the cloud. Cost: a copy.
  */
@@ -798,8 +802,8 @@ int32_t ko_cloud_set_weights(struct ko_cloud *cloud,
                              size_t n_points);
 
 /**
- * Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
- * clearly behind them, between where an open shape has no clear side: around its rim and far from it.
+ * Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to,
+ * -1 clearly behind them, between where an open shape has no clear side: around its rim and far from it.
  *
  * 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides of
  * the surface nearby. Where it is small, so is the meaning of a field's sign.
@@ -834,14 +838,14 @@ int32_t ko_normal_options_init(struct ko_normal_options *options, size_t struct_
  * Makes a cloud from `points` [dim * n_points] that come without normals: a plane through each point's neighbours (Hoppe et al. 1992), and
  * signs that agree, the most sure ones first.
  *
- * `dim` is 2 or 3. `options` NULL: the defaults. All points stay, in their order. Closed parts face outward; a part inside an odd number of
- * others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of their largest
+ * `dim` is 2 or 3. `options` NULL: the defaults. All points stay, in their order. Closed parts face outward; a part inside an odd number
+ * of others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of their largest
  * coordinate. Sides of a sheet nearer to each other than the points of one side are not told apart.
  * `*cloud` is the caller's to free. `flags` [n_points] gets an or of KO_POINT_ bits for each point, 0 for most, and `report`, of
  * `report_size` bytes (sizeof *report), what was found; either may be NULL. To leave points out of fits, give them weight 0 by
  * `ko_cloud_set_weights`. The array is copied. The same points give the same bits.
- * Errors: KO_ERR_INVALID_ARGUMENT for fewer than dim + 1 points or more than 2^30 / dim, for one that is not finite, naming the first, and for
- * an option out of its range; KO_ERR_DEGENERATE for points at fewer than dim + 1 places and for points of space all on a line;
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer than dim + 1 points or more than 2^30 / dim, for one that is not finite, naming the first, and
+ * for an option out of its range; KO_ERR_DEGENERATE for points at fewer than dim + 1 places and for points of space all on a line;
  * KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY with the bytes that it would take;
  * KO_ERR_CANCELLED.
  * Threads: any; `progress` is called on the caller's. Cost: O(n_points log n_points), some 20 microseconds a point of space on one
@@ -866,10 +870,10 @@ int32_t ko_smooth_options_init(struct ko_smooth_options *options, size_t struct_
 /**
  * Smooths noise out of points and normals, which must be about right before, into a new cloud: moving least squares (Alexa et al. 2003).
  *
- * Each point goes to a quadratic through the nearest points that face the same way. Edges are rounded over about the distance of the last of
- * these. Weights stay, origins go. `options` NULL: the defaults. `*smoothed` is the caller's to free; `cloud` is left as it is.
- * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range, KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any; `progress` is called
- * on the caller's. Cost: some 10 microseconds a point and round on one thread; about 300 bytes a point meanwhile.
+ * Each point goes to a quadratic through the nearest points that face the same way. Edges are rounded over about the distance of the last
+ * of these. Weights stay, origins go. `options` NULL: the defaults. `*smoothed` is the caller's to free; `cloud` is left as it is.
+ * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range, KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any; `progress` is
+ * called on the caller's. Cost: about 6 microseconds a point and round on one thread, in the plane 1.5; about 300 bytes a point meanwhile.
  */
 int32_t ko_cloud_smooth(const struct ko_cloud *cloud,
                         const struct ko_smooth_options *options,
@@ -918,13 +922,14 @@ int32_t ko_field_refit(const struct ko_field *start,
 /**
  * Makes a field (5) of given control points: one that another library fitted, say, or an optimiser moved.
  *
- * `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max` [dim],
- * an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last axis
- * contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible` is
- * KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is 0.
- * Errors: KO_ERR_INVALID_ARGUMENT for fewer control points along an axis, for another number of them in all, for one that is not finite,
- * naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a
- * copy.
+ * `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max`
+ * [dim], an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last
+ * axis contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible`
+ * is KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is
+ * 0.
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer control points along an axis, for another number of them in all, for one that is not finite or
+ * beyond 1e100, naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads:
+ * any. Cost: a copy.
  */
 int32_t ko_field_from_control_points(uint32_t dim,
                                      const uint32_t *counts,
@@ -937,7 +942,8 @@ int32_t ko_field_from_control_points(uint32_t dim,
                                      struct ko_field **field);
 
 /**
- * Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of length.
+ * Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of
+ * length.
  *
  * `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
  * KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
@@ -950,9 +956,9 @@ int32_t ko_field_copy_control_points(const struct ko_field *field,
  * Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],
  * `hessians` by rows of the upper triangle, in space [6 * n_points], xx xy xz yy yz zz, in the plane [3 * n_points], xx xy yy.
  *
- * Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a distance:
- * with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary cell's
- * polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
+ * Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a
+ * distance: with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary
+ * cell's polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
  *     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
  * sigma is the sign of m: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| grows on the way out, and the
  * gradient tends to length 1. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box), m = 0 and
@@ -987,16 +993,17 @@ int32_t ko_field_eval_parallel(const struct ko_field *field,
                                uint32_t n_threads);
 
 /**
- * Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim] plus
- * i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
+ * Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim]
+ * plus i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
  *
- * `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last index
- * fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads` threads
- * (0: all cores, 1: none but the caller's), with the same bits on any number.
+ * `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last
+ * index fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads`
+ * threads (0: all cores, 1: none but the caller's), with the same bits on any number.
  * Errors: KO_ERR_INVALID_ARGUMENT for a number of steps out of range, a count of 0, more points than memory can count, an origin or step
  * that is not finite, a corner of the lattice beyond 1e150, more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads that do not start.
  * Nothing is written then.
- * Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096 points.
+ * Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096
+ * points.
  */
 int32_t ko_field_eval_lattice(const struct ko_field *field,
                               const double *origin,
@@ -1010,8 +1017,8 @@ int32_t ko_field_eval_lattice(const struct ko_field *field,
 /**
  * Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.
  *
- * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
- * No allocation, no lock.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at
+ * once. No allocation, no lock.
  */
 int32_t ko_field_outside_box(const struct ko_field *field,
                              const double *points,
@@ -1065,11 +1072,11 @@ int32_t ko_level_set_options_init(struct ko_level_set_options *options, size_t s
  * Gnutzmann 1987) on the cells cut into `subdivisions`, vertices by Newton's method, then short edges collapsed (Dey et al. 1999).
  * `*mesh` is the caller's to free. The same field and options give the same bits.
  * Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
- * close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a level
- * that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
+ * close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a
+ * level that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
  * KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_CANCELLED.
- * Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex of
- * the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
+ * Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex
+ * of the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
  */
 int32_t ko_field_level_set(const struct ko_field *field,
                            double level,

@@ -289,7 +289,8 @@ public:
         return Cloud(handle);
     }
 
-    /// On which side points [dim() * n] lie, into `sides` [n]: 1 where the normals point to, -1 behind them, towards 0 where there are none.
+    /// On which side points [dim() * n] lie, into `sides` [n]: 1 where the normals point to, -1 behind them, towards 0 where there are
+    /// none.
     void sides(Span<const double> points, Span<double> sides) const {
         const std::size_t n = detail::count("points", points.size(), dim_);
         detail::check_size("sides", sides.size(), n);

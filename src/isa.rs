@@ -1,8 +1,8 @@
 //! Instruction sets: one source of a kernel, compiled for each, and the best that the machine has taken at run time.
 //!
-//! A kernel is written once over [`Isa`], with every function down to the arithmetic `#[inline(always)]`, so that the whole of it is compiled
-//! with the instructions of the set that it runs on. Results of two sets differ by rounding: a fused multiply-add rounds once. On one
-//! machine they are the same bits in every run.
+//! A kernel is written once over [`Isa`], with every function down to the arithmetic `#[inline(always)]`, so that the whole of it is
+//! compiled with the instructions of the set that it runs on. Results of two sets differ by rounding: a fused multiply-add rounds once. On
+//! one machine they are the same bits in every run.
 
 /// What a set of instructions adds to Rust's arithmetic.
 pub trait Isa: Copy + Send + Sync {

@@ -90,8 +90,8 @@ std::vector<double> exact_gradients(const Mesh &mesh, const std::vector<double> 
     return gradients;
 }
 
-// For each of `points`, whether the exact gradient turns by more than 30 degrees within one cell: near the medial axis, where a smooth field
-// cannot follow. Looked at are thirds of a cell to either side along each axis and along the gradient, which crosses thin walls.
+// For each of `points`, whether the exact gradient turns by more than 30 degrees within one cell: near the medial axis, where a smooth
+// field cannot follow. Looked at are thirds of a cell to either side along each axis and along the gradient, which crosses thin walls.
 std::vector<bool> is_near_medial_axis(const Mesh &mesh, const std::vector<double> &points, double cell) {
     const std::vector<double> here = exact_gradients(mesh, points);
     std::vector<bool> near(points.size() / 3);

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# pictures.sh LIBRARY: makes the pictures of docs/pictures.md with LIBRARY, small and coarse, with the test data where they are, and without.
-# Where no Python has matplotlib the test counts as skipped (77), or as failed when KEEPOUT_REQUIRE_DATA is 1.
+# pictures.sh LIBRARY: makes the pictures of docs/pictures.md with LIBRARY, small and coarse, with the test data where they are, and
+# without. Where no Python has matplotlib the test counts as skipped (77), or as failed when KEEPOUT_REQUIRE_DATA is 1.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Keepout's main job in one command: builds the library and the C example in release and runs it, on a shape of its own or on the mesh or curves given.
-# Arguments go to the example (--help lists them). Installs what is missing on Debian: C compiler, make, cmake, libpng-dev.
+# Keepout's main job in one command: builds the library and the C example in release and runs it, on a shape of its own or on the mesh or
+# curves given. Arguments go to the example (--help lists them). Installs what is missing on Debian: C compiler, make, cmake, libpng-dev.
 set -euo pipefail
 top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$top/build/example

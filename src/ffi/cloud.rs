@@ -123,7 +123,8 @@ unsafe fn copy<const D: usize>(cloud: &Cloud<D>, n: usize, points: *mut f64, nor
 
 /// Gives each point a weight, `weights` [n_points]: how much a fit trusts it, compared with the others. All count alike without.
 ///
-/// A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is copied.
+/// A point of weight 0 takes no part in a fit, as if it were not there. `n_points` must be that of `ko_cloud_get_size`. The array is
+/// copied.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a weight that is negative, not a number or above 1e100, naming the first, and where all are 0;
 /// KO_ERR_OUT_OF_MEMORY. After an error the weights are as they were. No other thread may be using the cloud. Cost: a copy.
 #[unsafe(no_mangle)]
@@ -140,8 +141,8 @@ pub unsafe extern "C" fn ko_cloud_set_weights(cloud: *mut ko_cloud, weights: *co
     })
 }
 
-/// Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to, -1
-/// clearly behind them, between where an open shape has no clear side: around its rim and far from it.
+/// Tells on which side of the cloud each of `points` [dim * n_points] lies, into `sides` [n_points]: 1 where the normals clearly point to,
+/// -1 clearly behind them, between where an open shape has no clear side: around its rim and far from it.
 ///
 /// 2 (W_s - W), with W the generalised winding number of the cloud (Barill et al. 2018), to about 0.1, and W_s its mean of both sides of
 /// the surface nearby. Where it is small, so is the meaning of a field's sign.

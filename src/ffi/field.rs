@@ -100,13 +100,14 @@ pub unsafe extern "C" fn ko_field_refit(
 
 /// Makes a field (5) of given control points: one that another library fitted, say, or an optimiser moved.
 ///
-/// `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max` [dim],
-/// an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last axis
-/// contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible` is
-/// KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is 0.
+/// `dim` is 2 or 3. `counts` [dim], at least 4 each, are the control points along each axis of the box from `box_min` [dim] to `box_max`
+/// [dim], an axis of n having n - 3 cells; `control_points` [n_control_points], as many as the product of the counts, row-major, the last
+/// axis contiguous, are in the caller's unit of length, like the box and `diagonal`, the D that the field's report shall have. `feasible`
+/// is KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE. The arrays are copied. `*field` is the caller's to free; what its report says of a fit is
+/// 0.
 /// Errors: KO_ERR_INVALID_ARGUMENT for fewer control points along an axis, for another number of them in all, for one that is not finite or
-/// beyond 1e100, naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a
-/// copy.
+/// beyond 1e100, naming the first, for a box that is none, for cells or a diagonal outside [1e-90, 1e90]; KO_ERR_OUT_OF_MEMORY. Threads:
+/// any. Cost: a copy.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_from_control_points(
     dim: u32,
@@ -160,7 +161,8 @@ unsafe fn from_control_points<const D: usize>(
     Field::from_control_points(grid, copied(given.numbers, "the control points")?, given.feasible, given.diagonal)
 }
 
-/// Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of length.
+/// Copies the control points of (5) to `control_points` [n_control_points], row-major, the last axis contiguous, in the cloud's unit of
+/// length.
 ///
 /// `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
 /// KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
@@ -184,9 +186,9 @@ pub unsafe extern "C" fn ko_field_copy_control_points(
 /// Evaluates the field at `points` [dim * n_points]: `values` [n_points] in the cloud's unit of length, `gradients` [dim * n_points],
 /// `hessians` by rows of the upper triangle, in space [6 * n_points], xx xy xz yy yz zz, in the plane [3 * n_points], xx xy yy.
 ///
-/// Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a distance:
-/// with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary cell's
-/// polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
+/// Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a
+/// distance: with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary
+/// cell's polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
 ///     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
 /// sigma is the sign of m: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| grows on the way out, and the
 /// gradient tends to length 1. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box), m = 0 and
@@ -243,16 +245,17 @@ pub unsafe extern "C" fn ko_field_eval_parallel(
     })
 }
 
-/// Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim] plus
-/// i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
+/// Evaluates the field at the points of an affine lattice, a line, a slice or, in space, a box, in any directions: those at `origin` [dim]
+/// plus i_1 steps_1 + ... + i_k steps_k, 0 <= i_j < counts_j, for k = `n_steps` rows of `steps` [dim * n_steps] and `counts` [n_steps].
 ///
-/// `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last index
-/// fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads` threads
-/// (0: all cores, 1: none but the caller's), with the same bits on any number.
+/// `n_steps` is at least 1 and at most dim. `values` [n] and `gradients` [dim * n], n the product of the counts, are row-major, the last
+/// index fastest; either may be NULL. They are those of `ko_field_eval` at these points, inside the box and outside it, on `n_threads`
+/// threads (0: all cores, 1: none but the caller's), with the same bits on any number.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a number of steps out of range, a count of 0, more points than memory can count, an origin or step
 /// that is not finite, a corner of the lattice beyond 1e150, more than 1024 threads; KO_ERR_OUT_OF_MEMORY for threads that do not start.
 /// Nothing is written then.
-/// Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096 points.
+/// Threads: any number at once. Cost: that of `ko_field_eval`; takes some kilobytes, and starts and joins threads for more than 4096
+/// points.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_eval_lattice(
     field: *const ko_field,
@@ -302,8 +305,8 @@ unsafe fn lattice<const D: usize>(
 
 /// Writes to `outside` [n_points] 1 for each of `points` [dim * n_points] outside the field's box, 0 for each inside or on a face.
 ///
-/// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at once.
-/// No allocation, no lock.
+/// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150. Threads: any number at
+/// once. No allocation, no lock.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_outside_box(
     field: *const ko_field,

@@ -14,8 +14,8 @@ pub const KO_FEASIBLE_INSIDE: i32 = 1;
 
 /// Points that the surface misses count for more: against the largest error, for clouds to be trusted.
 pub const KO_REWEIGHT_LARGEST: i32 = 0;
-/// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more, the
-/// first of them much smoother.
+/// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more,
+/// the first of them much smoother.
 pub const KO_REWEIGHT_ROBUST: i32 = 1;
 
 /// Options of `ko_field_fit` and `ko_field_refit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit:
@@ -30,8 +30,8 @@ pub struct ko_fit_options {
     /// twice as many control points as points, between 4096 and 262144. In the plane z is ignored, and N points get N^2 / 100, between
     /// 1024 and 65536.
     pub control_points: [u32; 3],
-    /// Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them once all
-    /// the same. Default 3.
+    /// Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them
+    /// once all the same. Default 3.
     pub reweightings: u32,
     /// How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
     pub margin: f64,

@@ -20,8 +20,8 @@ use std::ffi::c_void;
 pub struct ko_level_set_options {
     /// sizeof(ko_level_set_options), set by ko_level_set_options_init.
     pub struct_size: usize,
-    /// Lattice edges per cell of the field, along each axis, in [1, 1024]. What is thinner than a lattice edge may be missed, or joined: this
-    /// decides the topology, and most of the cost. Default 4.
+    /// Lattice edges per cell of the field, along each axis, in [1, 1024]. What is thinner than a lattice edge may be missed, or joined:
+    /// this decides the topology, and most of the cost. Default 4.
     pub subdivisions: u32,
     /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
     pub n_threads: u32,
@@ -112,11 +112,11 @@ impl ko_level_set_options {
 /// Gnutzmann 1987) on the cells cut into `subdivisions`, vertices by Newton's method, then short edges collapsed (Dey et al. 1999).
 /// `*mesh` is the caller's to free. The same field and options give the same bits.
 /// Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
-/// close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a level
-/// that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
+/// close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a
+/// level that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
 /// KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_CANCELLED.
-/// Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex of
-/// the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
+/// Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex
+/// of the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_level_set(
     field: *const ko_field,

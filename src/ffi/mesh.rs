@@ -74,9 +74,9 @@ pub unsafe extern "C" fn ko_mesh_from_triangles(
 
 /// Makes a mesh of the plane from polylines: `points` [2 * n_points], of which polyline i begins at `loop_starts`[i] [n_loops].
 ///
-/// `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last; 0:
-/// none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that repeats
-/// the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
+/// `loop_starts` begins with 0 and ascends. `closed` 1: each polyline goes back to its first point, which may be given again as its last;
+/// 0: none does. A solid lies on the left of closed polylines: counter-clockwise around it, clockwise around a hole in it. A point that
+/// repeats the one before it is dropped. The arrays are copied. `*mesh` is the caller's to free.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a point that is not finite, starts that do not ascend, fewer than 2 points, closed 3; for polylines
 /// that cross, touch or overlap themselves or each other, with the segments and the place; for loops right inside one another that run the
 /// same way, naming the one to turn around; KO_ERR_OUT_OF_MEMORY. Threads: any.
@@ -221,11 +221,11 @@ pub unsafe extern "C" fn ko_mesh_get_polylines_size(
     })
 }
 
-/// Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of which
-/// polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
+/// Copies the curves that the segments of a mesh of the plane make, as `ko_mesh_from_polylines` takes them: `points` [2 * n_points], of
+/// which polyline i begins at `loop_starts`[i] [n_loops] and is closed where `closed`[i] [n_loops] is 1, else 0. Each may be NULL.
 ///
-/// Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A solid
-/// lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
+/// Open polylines come first, then closed ones, which do not repeat their first point; each kind in the order of the mesh's vertices. A
+/// solid lies on the left. The counts must be those of `ko_mesh_get_polylines_size`.
 /// Errors: KO_ERR_INVALID_ARGUMENT, also for a mesh of space and for other counts; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: that of
 /// `ko_mesh_get_polylines_size`, and a copy.
 #[unsafe(no_mangle)]
@@ -304,8 +304,8 @@ pub unsafe extern "C" fn ko_mesh_flip(mesh: *mut ko_mesh) -> i32 {
 /// plane evenly by length.
 ///
 /// Normals are smooth across edges, in the plane corners, of less than 40 degrees and sharp across others. The cloud remembers triangle and
-/// barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the caller's
-/// to free.
+/// barycentric coordinates of each point: `ko_cloud_copy_origins`. The same mesh, count and seed give the same bits. `*cloud` is the
+/// caller's to free.
 /// Errors: KO_ERR_INVALID_ARGUMENT for no points or more than 2^30 - 1, KO_ERR_DEGENERATE for a mesh without area, KO_ERR_OUT_OF_MEMORY.
 /// Threads: any. Cost: O(n_points log n_points + n_triangles).
 #[unsafe(no_mangle)]
@@ -335,8 +335,8 @@ pub unsafe extern "C" fn ko_mesh_sample(
 /// only where it takes up half of what is seen from there: a bowl has one, a flat sheet has none, and its distances are positive behind it
 /// too. The two sides of a sheet are told by `ko_cloud_sides`, of a sample of the mesh, and by the sign of a field fitted to one.
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
-/// Threads: any number at once. Cost: O(log n_triangles) a point, and where W is within 0.02 of 1/2, as close behind a flat sheet, some tens of
-/// nanoseconds more for each edge of the mesh's rim; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
+/// Threads: any number at once. Cost: O(log n_triangles) a point, and where W is within 0.02 of 1/2, as close behind a flat sheet, some
+/// tens of nanoseconds more for each edge of the mesh's rim; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_signed_distance(
     mesh: *const ko_mesh,

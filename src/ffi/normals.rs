@@ -28,8 +28,8 @@ pub const KO_POINT_DOUBTFUL: u8 = 8;
 pub struct ko_normal_options {
     /// sizeof(ko_normal_options), set by ko_normal_options_init.
     pub struct_size: usize,
-    /// Nearest neighbours that a normal is taken from, in [3, 64]; 0 (the default) for 10 in space and 4 in the plane. More smooth noise, and
-    /// edges with it.
+    /// Nearest neighbours that a normal is taken from, in [3, 64]; 0 (the default) for 10 in space and 4 in the plane. More smooth noise,
+    /// and edges with it.
     pub neighbours: u32,
     /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
     pub n_threads: u32,
@@ -132,14 +132,14 @@ impl ko_normal_options {
 /// Makes a cloud from `points` [dim * n_points] that come without normals: a plane through each point's neighbours (Hoppe et al. 1992), and
 /// signs that agree, the most sure ones first.
 ///
-/// `dim` is 2 or 3. `options` NULL: the defaults. All points stay, in their order. Closed parts face outward; a part inside an odd number of
-/// others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of their largest
+/// `dim` is 2 or 3. `options` NULL: the defaults. All points stay, in their order. Closed parts face outward; a part inside an odd number
+/// of others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of their largest
 /// coordinate. Sides of a sheet nearer to each other than the points of one side are not told apart.
 /// `*cloud` is the caller's to free. `flags` [n_points] gets an or of KO_POINT_ bits for each point, 0 for most, and `report`, of
 /// `report_size` bytes (sizeof *report), what was found; either may be NULL. To leave points out of fits, give them weight 0 by
 /// `ko_cloud_set_weights`. The array is copied. The same points give the same bits.
-/// Errors: KO_ERR_INVALID_ARGUMENT for fewer than dim + 1 points or more than 2^30 / dim, for one that is not finite, naming the first, and for
-/// an option out of its range; KO_ERR_DEGENERATE for points at fewer than dim + 1 places and for points of space all on a line;
+/// Errors: KO_ERR_INVALID_ARGUMENT for fewer than dim + 1 points or more than 2^30 / dim, for one that is not finite, naming the first, and
+/// for an option out of its range; KO_ERR_DEGENERATE for points at fewer than dim + 1 places and for points of space all on a line;
 /// KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY with the bytes that it would take;
 /// KO_ERR_CANCELLED.
 /// Threads: any; `progress` is called on the caller's. Cost: O(n_points log n_points), some 20 microseconds a point of space on one

@@ -3,8 +3,8 @@
 use std::ffi::{CString, c_char, c_void};
 use std::ops::ControlFlow;
 
-/// Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0 cancels.
-/// It must not unwind, throw or jump out.
+/// Called on the caller's thread with the fraction done in [0, 1], the stage's name (valid during the call) and `progress_data`; not 0
+/// cancels. It must not unwind, throw or jump out.
 #[allow(non_camel_case_types)]
 pub type ko_progress = Option<unsafe extern "C" fn(fraction: f64, stage: *const c_char, data: *mut c_void) -> i32>;
 

@@ -7,8 +7,8 @@ use crate::field::{Feasible, Field};
 use crate::geometry::MeshReport;
 use crate::spline::Axis;
 
-/// What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length for
-/// area, area for volume; entries along z are 0.
+/// What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length
+/// for area, area for volume; entries along z are 0.
 #[allow(non_camel_case_types)]
 #[repr(C)]
 #[derive(Clone, Copy)]

@@ -17,8 +17,8 @@ use std::ffi::c_void;
 pub struct ko_smooth_options {
     /// sizeof(ko_smooth_options), set by ko_smooth_options_init.
     pub struct_size: usize,
-    /// Nearest points that a point is smoothed by, itself among them, in [4, 128]; 0 (the default) for 40 in space and 12 in the plane. More
-    /// smooth more.
+    /// Nearest points that a point is smoothed by, itself among them, in [4, 128]; 0 (the default) for 40 in space and 12 in the plane.
+    /// More smooth more.
     pub neighbours: u32,
     /// Times that the whole cloud is smoothed, in [1, 100]. Default 1.
     pub rounds: u32,
@@ -84,10 +84,10 @@ impl ko_smooth_options {
 
 /// Smooths noise out of points and normals, which must be about right before, into a new cloud: moving least squares (Alexa et al. 2003).
 ///
-/// Each point goes to a quadratic through the nearest points that face the same way. Edges are rounded over about the distance of the last of
-/// these. Weights stay, origins go. `options` NULL: the defaults. `*smoothed` is the caller's to free; `cloud` is left as it is.
-/// Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range, KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any; `progress` is called
-/// on the caller's. Cost: about 6 microseconds a point and round on one thread, in the plane 1.5; about 300 bytes a point meanwhile.
+/// Each point goes to a quadratic through the nearest points that face the same way. Edges are rounded over about the distance of the last
+/// of these. Weights stay, origins go. `options` NULL: the defaults. `*smoothed` is the caller's to free; `cloud` is left as it is.
+/// Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range, KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any; `progress` is
+/// called on the caller's. Cost: about 6 microseconds a point and round on one thread, in the plane 1.5; about 300 bytes a point meanwhile.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_cloud_smooth(
     cloud: *const ko_cloud,

@@ -69,8 +69,8 @@ impl<const D: usize> Lattice<D> {
         p
     }
 
-    /// Values `[len]` of `phi` and gradients [len x D], each where wanted, in row-major order; `tell` hears the fraction done. The same bits
-    /// on any number of threads. After an error the outputs are unspecified.
+    /// Values `[len]` of `phi` and gradients [len x D], each where wanted, in row-major order; `tell` hears the fraction done. The same
+    /// bits on any number of threads. After an error the outputs are unspecified.
     pub(crate) fn eval(
         &self,
         phi: &impl Function<D>,
@@ -148,8 +148,8 @@ fn pieces<T>(output: Option<&mut [T]>) -> impl Iterator<Item = Option<&mut [T]>>
 }
 
 impl<const D: usize> Field<D> {
-    /// phi `[n]`, in the caller's unit of length, and grad phi [n x D], each where wanted, at the n points of `lattice`, in row-major order,
-    /// on `n_threads` threads as [`Workers::new`] takes them; the same bits on any number. Points outside the box are served as
+    /// phi `[n]`, in the caller's unit of length, and grad phi [n x D], each where wanted, at the n points of `lattice`, in row-major
+    /// order, on `n_threads` threads as [`Workers::new`] takes them; the same bits on any number. Points outside the box are served as
     /// [`Field::eval`] serves them. After a cancellation the outputs are unspecified. Allocates a few kilobytes.
     pub fn eval_lattice(
         &self,

@@ -29,8 +29,8 @@
 //!   that from 98 to 94 (`benches/run field guess`). A shape that moves a little is another matter: [`Field::refit`].
 //! - Degree 3 only. The paper studied others and found nothing above 3. Degree 2 has a Hessian that jumps, which no Newton method forgives;
 //!   4 and 5 read 125 and 216 control points a point where 3 reads 64, two to three and a half times as many, in rows that
-//!   no longer are one vector of four numbers; and every kernel of a fit would need a form for each. What limits the error beside an edge is the
-//!   size of a cell: phi is smooth there and the distance is not, whatever the degree.
+//!   no longer are one vector of four numbers; and every kernel of a fit would need a form for each. What limits the error beside an edge
+//!   is the size of a cell: phi is smooth there and the distance is not, whatever the degree.
 //! - An axis of the box thinner than 0.05 D is widened to that first, so that a flat cloud has a box: [`domain`].
 //! - Outside the box, where the paper's field ends, it is continued: [`beyond`].
 
@@ -92,8 +92,8 @@ impl<const D: usize> Field<D> {
         field
     }
 
-    /// A field of given `control_points`, row-major, the last axis contiguous, in the caller's unit of length, on `grid`. `diagonal` is the D
-    /// that its dimensionless figures shall have. The report is empty but for the counts.
+    /// A field of given `control_points`, row-major, the last axis contiguous, in the caller's unit of length, on `grid`. `diagonal` is the
+    /// D that its dimensionless figures shall have. The report is empty but for the counts.
     pub fn from_control_points(
         grid: Grid<D>,
         control_points: Vec<f64>,
@@ -161,9 +161,9 @@ const LARGEST_CONTROL_POINT: f64 = 1e100;
 
 /// The first control point that no field can have, and why.
 fn unusable(control_points: &[f64]) -> Option<(usize, String)> {
-    // A NaN compares as false.
-    let served = |c: &f64| c.abs() <= LARGEST_CONTROL_POINT;
-    let i = control_points.iter().position(|c| !served(c))?;
+    // A NaN is in no range.
+    let usable = -LARGEST_CONTROL_POINT..=LARGEST_CONTROL_POINT;
+    let i = control_points.iter().position(|c| !usable.contains(c))?;
     let c = control_points[i];
     Some((i, format!("control point {i} is {c:?}; it must be finite, and at most {LARGEST_CONTROL_POINT:e} in size")))
 }

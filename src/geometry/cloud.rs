@@ -73,8 +73,8 @@ impl<const D: usize> Cloud<D> {
         self
     }
 
-    /// Gives each point a weight, `weights` `[N]`: how much a fit trusts it, compared with the others. A point of weight 0 takes no part in a
-    /// fit, as if it were not there.
+    /// Gives each point a weight, `weights` `[N]`: how much a fit trusts it, compared with the others. A point of weight 0 takes no part in
+    /// a fit, as if it were not there.
     pub fn set_weights(&mut self, weights: Vec<f64>) -> Result<()> {
         self.check_weight_count(weights.len())?;
         if let Some(i) = weights.iter().position(|w| !(0.0..=LARGEST_WEIGHT).contains(w)) {

@@ -1,8 +1,8 @@
 //! Shapes: meshes, triangles in space and segments in the plane, oriented point clouds, and exact distances between them and points.
 //!
 //! One path serves both dimensions, by a const D; `facet` holds what differs, and curves alone have [`polylines`] and their even samples
-//! (`along_curves`). Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by the
-//! bounding-box diagonal D happens at the door of the room that needs it. Normals of a solid point out of it; signed distances
+//! (`along_curves`). Takes files or arrays; gives [`Mesh`], [`Cloud`] and numbers. All coordinates are in the caller's units: scaling by
+//! the bounding-box diagonal D happens at the door of the room that needs it. Normals of a solid point out of it; signed distances
 //! are positive outside.
 //!
 //! | source | here |

@@ -1,6 +1,7 @@
 //! What a mesh is worth: whether it bounds a solid, and what stands in the way.
 //!
-//! In the plane the edges of the segments are their vertices: an edge with one facet is an end point. Areas are lengths there, volumes areas.
+//! In the plane the edges of the segments are their vertices: an edge with one facet is an end point. Areas are lengths there, volumes
+//! areas.
 
 use std::fmt;
 

@@ -77,8 +77,8 @@ impl SmoothOptions {
 type Oriented<const D: usize> = ([f64; D], [f64; D]);
 
 impl<const D: usize> Cloud<D> {
-    /// The cloud with noise smoothed out of points and normals, which must be about right before; weights stay, origins go. The same bits on
-    /// any number of threads, and a power of two in the coordinates changes none. Cost: about 6 microseconds a point and round on one
+    /// The cloud with noise smoothed out of points and normals, which must be about right before; weights stay, origins go. The same bits
+    /// on any number of threads, and a power of two in the coordinates changes none. Cost: about 6 microseconds a point and round on one
     /// thread, in the plane 1.5.
     pub fn smoothed(&self, options: &SmoothOptions, progress: &mut Progress) -> Result<Self> {
         const CHUNK: usize = 1024;

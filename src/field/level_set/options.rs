@@ -21,8 +21,8 @@ pub struct LevelSetOptions {
 }
 
 impl Default for LevelSetOptions {
-    /// Four lattice edges per cell: with two, fields of the bunny, the rotor and the spool lose or gain handles where a part is thinner than
-    /// half a cell; with four they have those of the shape (tests/level_sets.rs).
+    /// Four lattice edges per cell: with two, fields of the bunny, the rotor and the spool lose or gain handles where a part is thinner
+    /// than half a cell; with four they have those of the shape (tests/level_sets.rs).
     fn default() -> Self {
         LevelSetOptions { subdivisions: 4, shortest_edge: 0.3, relaxations: 6, n_threads: 0, memory_limit: 8 << 30 }
     }

@@ -15,8 +15,8 @@
 //!
 //! Where we depart from Hoppe et al.:
 //! - The agreement of two normals looks at where their points lie, so that the two sides of an edge are related, and those of a sheet.
-//! - Signs come from merging clusters of points, the most sure first, the agreements between two clusters summed. A spanning tree stakes all
-//!   behind an edge on that one edge.
+//! - Signs come from merging clusters of points, the most sure first, the agreements between two clusters summed. A spanning tree stakes
+//!   all behind an edge on that one edge.
 //! - The planes are fitted once more to the neighbours that then face the same way, and the signs found again: not across a thin sheet.
 //! - Components face outward by the volume they enclose, not by their topmost point, whose normal may be the worst.
 //!
@@ -35,8 +35,8 @@
 //! | merge, c = 4, refit | 1, 77 | 0, 13 | 10, 220 | 109, 116 | 23, 134 | 484, 2069 | 75, 737 |
 //!
 //! With c = 3 and the refit, k = 8 has 240 and 877 wrong on the thin box, k = 12 33 and 111; elsewhere 8, 10 and 12 differ little, either
-//! way, and normals beside edges are the better the smaller k is. Turning single points by the winding number of the surfels a little before
-//! and behind them (after Barill et al. 2018) was tried too: it mends some thin parts and, where points are noisy, turns whole
+//! way, and normals beside edges are the better the smaller k is. Turning single points by the winding number of the surfels a little
+//! before and behind them (after Barill et al. 2018) was tried too: it mends some thin parts and, where points are noisy, turns whole
 //! neighbourhoods, 1610 points of a sphere with c = 4.
 
 mod agreement;
@@ -72,7 +72,8 @@ impl<const D: usize> Cloud<D> {
     ///
     /// All points stay, in their order: outliers and copies are named in the report, not dropped. Closed parts face outward; a part inside
     /// an odd number of others is the boundary of a cavity and faces into it; open parts face the side they bulge to, flat ones that of
-    /// their largest coordinate. The same points give the same bits on any number of threads, and scaled by a power of two the same normals.
+    /// their largest coordinate. The same points give the same bits on any number of threads, and scaled by a power of two the same
+    /// normals.
     ///
     /// Sides of a sheet nearer to each other than the points of one side are not told apart: on closed shapes nearly all wrong normals
     /// are there. Time grows as n log n: half a second for 25,000 points of space and 3.5 s for 250,000, on one thread of a small machine.

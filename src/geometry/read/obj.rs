@@ -1,8 +1,8 @@
 //! OBJ: lines that begin with a keyword. Vertices, `v`, and faces, `f`, are read; all else is passed over.
 //!
-//! A face's corner is `vertex`, `vertex/texture`, `vertex//normal` or all three, counted from 1 or, if negative, back from the vertex before
-//! the face. A backslash at a line's end joins the next line to it. Weights and colours after the coordinates are left unread. A file cut
-//! within its last number passes for a whole one.
+//! A face's corner is `vertex`, `vertex/texture`, `vertex//normal` or all three, counted from 1 or, if negative, back from the vertex
+//! before the face. A backslash at a line's end joins the next line to it. Weights and colours after the coordinates are left unread. A
+//! file cut within its last number passes for a whole one.
 
 use super::builder::{Builder, push};
 use super::fault::{Fault, Read};

@@ -187,7 +187,7 @@ fn obj_corners_take_every_form() {
         ("f 1//9 2//8 3//7", &[[0, 1, 2]]),
         ("f 1/9/9 2/8/8 3/7/7 # the first", &[[0, 1, 2]]),
         ("f\t-4 -3/1 -1//2", &[[0, 1, 3]]),
-        ("f 1 2 \\\r\n 4 3\r\n", &[[0, 1, 3], [0, 3, 2]]),
+        ("f 1 2 \\\n 4 3\n", &[[0, 1, 3], [0, 3, 2]]),
         ("g a b\ns off\nf 1 2 3\ng\nl 1 2\nf 2 4 3", &[[0, 1, 2], [1, 3, 2]]),
     ] {
         for text in [format!("{vertices}{face}"), format!("{vertices}{face}").replace('\n', "\r\n")] {
