@@ -59,7 +59,7 @@ impl Builder {
 /// The mesh of what a reader has found and checked.
 pub(super) fn mesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Read<Mesh> {
     if triangles.is_empty() {
-        return Err(Fault::whole("the file has no faces; at least 1 is needed"));
+        return Err(Fault::whole("the file has 0 faces; at least 1 is needed"));
     }
     Ok(Mesh::new(vertices, triangles)?)
 }
