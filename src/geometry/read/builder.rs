@@ -59,7 +59,8 @@ impl Builder {
 /// The mesh of what a reader has found and checked.
 pub(super) fn mesh(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Read<Mesh> {
     if triangles.is_empty() {
-        return Err(Fault::whole("the file has 0 faces; at least 1 is needed"));
+        let n = vertices.len();
+        return Err(Fault::whole(format!("the file has {n} vertices and 0 faces; at least 1 face is needed")));
     }
     Ok(Mesh::new(vertices, triangles)?)
 }

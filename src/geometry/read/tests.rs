@@ -315,8 +315,8 @@ fn stl_faults_name_line_or_byte() {
     assert_eq!(place, Place::Byte(84 + 50 + 12), "{message}");
     assert!(fault(Format::Stl, &bytes[..283]).1.contains("cut short"));
     assert!(fault(Format::Stl, [&bytes[..], b"x"].concat()).1.contains("followed by something else"));
-    assert!(fault(Format::Stl, [0; 84]).1.contains("no faces"));
-    assert!(fault(Format::Stl, "solid\nendsolid\n").1.contains("no faces"));
+    assert!(fault(Format::Stl, [0; 84]).1.contains("0 faces"));
+    assert!(fault(Format::Stl, "solid\nendsolid\n").1.contains("0 faces"));
 }
 
 #[test]
