@@ -6,7 +6,6 @@ use crate::geometry::vec::text;
 use crate::isa::{self, Isa, Kernel};
 use crate::par::{Workers, try_share};
 use crate::spline::basis::Weights;
-use crate::spline::jet::{Scale, jet};
 use crate::spline::kernel::Hessian;
 use crate::{Error, Result};
 
@@ -222,7 +221,7 @@ fn block_with_hessian<I: Isa, const D: usize>(
     mut gradients: Option<&mut [[f64; D]]>,
     hessians: &mut [f64],
 ) {
-    let (per_cell, scale) = (field.cells.per_cell(), Scale::of(&field.cells));
+    let per_cell = field.cells.per_cell();
     for (i, (p, packed)) in points.iter().zip(hessians.chunks_exact_mut(packed::<D>())).enumerate() {
         let xi = field.cells.coordinates(p);
         let (value, gradient);
@@ -230,11 +229,6 @@ fn block_with_hessian<I: Isa, const D: usize>(
             let hessian;
             (value, gradient, hessian) = field.continued(xi);
             pack(&hessian, packed);
-        } else if I::FUSED {
-            let (stencil, u) = field.cells.stencil::<I>(&xi);
-            let upper;
-            (value, gradient, upper) = jet::<I, D>(&stencil, &field.coefficients, &u, &scale);
-            packed.copy_from_slice(&upper[..packed.len()]);
         } else {
             let (stencil, u) = field.cells.stencil::<I>(&xi);
             let (v, g, h) = stencil.value_gradient_hessian::<I>(&field.coefficients, u);

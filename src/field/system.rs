@@ -12,8 +12,9 @@ use crate::linalg::multigrid::{Level as _, Multigrid};
 use crate::linalg::vector::update;
 use crate::par::Workers;
 
-/// Iterations with the diagonal that cost as much as a solve by multigrid.
-pub const PATIENCE: usize = 200;
+/// Iterations with the diagonal that are waited for. A solve by multigrid costs as much as some 200; but where more than half of these seem to be
+/// left, more mostly are.
+pub const PATIENCE: usize = 120;
 
 /// A x = b, without b, preconditioned by the diagonal.
 pub struct Diagonal<'a, const D: usize = 3> {

@@ -12,7 +12,7 @@
 //! | paper 000 | here |
 //! |---|---|
 //! | (4), de Boor's recursion, on uniform knots | [`basis::Weights`], its closed form |
-//! | (5), the sum over control points | [`kernel`]; with the Hessian, [`jet`] |
+//! | (5), the sum over control points | [`kernel`] |
 //! | the integrals of (7) along one axis | [`gram::Gram`] |
 //!
 //! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries; [`blocks`], their
@@ -28,7 +28,6 @@ pub mod basis;
 pub mod blocks;
 pub mod centers;
 pub mod gram;
-pub mod jet;
 pub mod kernel;
 pub mod rows;
 pub mod two_scale;
