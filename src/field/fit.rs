@@ -4,7 +4,7 @@ use super::data::{Data, Misfit};
 use super::distance::FarDistances;
 use super::energy::Energy;
 use super::levels;
-use super::system::{Diagonal, PATIENCE};
+use super::system::{Diagonal, FEW, PATIENCE};
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
 use crate::Result;
 use crate::error::{Error, try_vec};
@@ -258,11 +258,12 @@ impl<const D: usize> Fitting<'_, D> {
         Ok(x)
     }
 
-    /// Whether the grid is large enough for a multigrid, and the limit of memory for what it takes more.
+    /// Whether the grid is large enough for a multigrid to pay, and the limit of memory for what it takes more.
     fn multigrid_fits(&self) -> bool {
         let (n_points, shape) = (self.energy.data().n_points() as u128, self.energy.grid().shape().map(|n| n as u128));
         let bytes = memory(n_points, shape) + levels::memory(n_points, shape);
-        levels::serve(self.energy.grid()) && bytes <= u128::from(self.options.memory_limit)
+        let grid = self.energy.grid();
+        grid.n_control() >= FEW && levels::serve(grid) && bytes <= u128::from(self.options.memory_limit)
     }
 
     fn iterations_left(&self) -> usize {

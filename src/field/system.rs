@@ -14,7 +14,10 @@ use crate::par::Workers;
 
 /// Iterations with the diagonal that are waited for. A solve by multigrid costs as much as some 200; but where more than half of these seem to be
 /// left, more mostly are.
-pub const PATIENCE: usize = 120;
+pub const PATIENCE: usize = 150;
+
+/// Unknowns below which the diagonal does: its iterations are few there, and take microseconds.
+pub const FEW: usize = 4096;
 
 /// A x = b, without b, preconditioned by the diagonal.
 pub struct Diagonal<'a, const D: usize = 3> {
