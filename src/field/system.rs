@@ -12,8 +12,8 @@ use crate::linalg::multigrid::{Level as _, Multigrid};
 use crate::linalg::vector::update;
 use crate::par::Workers;
 
-/// Iterations with the diagonal that are waited for. A solve by multigrid costs as much as some 200; but where more than half of these seem to be
-/// left, more mostly are.
+/// Iterations with the diagonal that are waited for. A solve by multigrid costs as much as some 200 of them; but where 150 seem to be left,
+/// more mostly are.
 pub const PATIENCE: usize = 150;
 
 /// Unknowns below which the diagonal does: its iterations are few there, and take microseconds.
