@@ -42,9 +42,6 @@ pub trait Isa: Copy + Send + Sync {
     /// (x_0 + x_1) + (x_2 + x_3)
     fn sum(x: Self::Four) -> f64;
 
-    /// Rows become columns.
-    fn transposed(x: [Self::Four; 4]) -> [Self::Four; 4];
-
     /// Eight numbers of single precision that are reckoned with at once.
     type Eight: Copy;
 
@@ -124,11 +121,6 @@ impl Isa for Portable {
     #[inline(always)]
     fn sum(x: [f64; 4]) -> f64 {
         (x[0] + x[1]) + (x[2] + x[3])
-    }
-
-    #[inline(always)]
-    fn transposed(x: [[f64; 4]; 4]) -> [[f64; 4]; 4] {
-        std::array::from_fn(|i| std::array::from_fn(|j| x[j][i]))
     }
 
     type Eight = [f32; 8];
@@ -239,21 +231,6 @@ mod avx2 {
             unsafe {
                 let pairs = _mm256_hadd_pd(x, x);
                 _mm_cvtsd_f64(_mm_add_sd(_mm256_castpd256_pd128(pairs), _mm256_extractf128_pd::<1>(pairs)))
-            }
-        }
-
-        #[inline(always)]
-        fn transposed([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
-            // SAFETY: see `Avx2`.
-            unsafe {
-                let (ab, cd) = (_mm256_unpacklo_pd(a, b), _mm256_unpacklo_pd(c, d));
-                let (ab_odd, cd_odd) = (_mm256_unpackhi_pd(a, b), _mm256_unpackhi_pd(c, d));
-                [
-                    _mm256_permute2f128_pd::<0x20>(ab, cd),
-                    _mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd),
-                    _mm256_permute2f128_pd::<0x31>(ab, cd),
-                    _mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd),
-                ]
             }
         }
 

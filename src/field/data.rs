@@ -152,26 +152,18 @@ impl<P: Point> Kernel for Slab<'_, P> {
 /// Energy of the values and gradients at the points: sum of m_v phi^2 + lambda_n m_g |grad phi|^2.
 pub struct DataTerm<const D: usize = 3> {
     data: Data<D>,
-    /// The finest grid, in units of D.
-    view: View<D>,
     normal_weight: f64,
 }
 
 impl<const D: usize> DataTerm<D> {
-    /// The term for `data` in the cells of `grid`, which is in units of D.
-    pub fn new(data: Data<D>, grid: Grid<D>, normal_weight: f64) -> Self {
-        let view = View::new(&data, grid, [1; D]);
-        DataTerm { data, view, normal_weight }
+    /// The term for `data`.
+    pub fn new(data: Data<D>, normal_weight: f64) -> Self {
+        DataTerm { data, normal_weight }
     }
 
     /// The points in a grid of which the cells are `times` as long as the finest.
     pub fn view(&self, grid: Grid<D>, times: [usize; D]) -> View<D> {
         View::new(&self.data, grid, times)
-    }
-
-    /// The finest grid.
-    pub fn finest(&self) -> &View<D> {
-        &self.view
     }
 
     /// y += (the term's matrix on the grid of `view`) x
@@ -203,9 +195,9 @@ impl<const D: usize> DataTerm<D> {
         low
     }
 
-    /// y += the right-hand side that asks for the gradient `sign` n at each point.
-    pub fn add_right_hand_side(&self, workers: &Workers, sign: f64, y: &mut [f64]) {
-        self.view.by_slab(workers, y, RightHandSide { term: self, sign });
+    /// y += the right-hand side on the grid of `view` that asks for the gradient `sign` n at each point.
+    pub fn add_right_hand_side(&self, view: &View<D>, workers: &Workers, sign: f64, y: &mut [f64]) {
+        view.by_slab(workers, y, RightHandSide { term: self, view, sign });
     }
 
     /// y += the diagonal of the term's matrix on the grid of `view`.
@@ -218,14 +210,23 @@ impl<const D: usize> DataTerm<D> {
         self.data.xi.len()
     }
 
-    /// How far each point is from what the data ask for; `x` are control points.
+    /// How far each point is from what the data ask for, the gradient `sign` n; `x` are control points of the grid of `view`.
     ///
     /// Where phi is nearly flat |phi| / |grad phi| means nothing: `flattest` bounds |grad phi| from below.
-    pub fn misfits(&self, workers: &Workers, x: &[f64], sign: f64, flattest: f64, misfits: &mut [Misfit]) {
+    pub fn misfits(
+        &self,
+        view: &View<D>,
+        workers: &Workers,
+        x: &[f64],
+        sign: f64,
+        flattest: f64,
+    ) -> Result<Vec<Misfit>> {
         const CHUNK: usize = 1024;
+        let mut misfits = try_vec(self.n_points(), Misfit::default(), "the misfits of the points")?;
         workers.for_each(misfits.chunks_mut(CHUNK).enumerate(), |(chunk, misfits)| {
-            dispatch(Misfits { term: self, x, sign, flattest, first: chunk * CHUNK, misfits });
+            dispatch(Misfits { term: self, view, x, sign, flattest, first: chunk * CHUNK, misfits });
         });
+        Ok(misfits)
     }
 
     /// Multiplies what the value of each point counts for by a factor of its own.
@@ -245,15 +246,16 @@ impl<const D: usize> DataTerm<D> {
         self.data.mass.iter().zip(&self.data.share).filter(|(m, share)| m.value == 0.0 && **share > 0.0).count()
     }
 
-    /// The points whose normals count for more than half, in units of D from the lower corner of the box, with their normals.
-    pub fn counted(&self) -> Result<Cloud<D>> {
+    /// The points whose normals count for more than half, in units of D from the lower corner of the box, with their normals; `finest` is
+    /// the grid in whose cells they are.
+    pub fn counted(&self, finest: &Grid<D>) -> Result<Cloud<D>> {
         // Sides are told by normals alone, so one that is in doubt is none.
         let counts = |p: &usize| self.data.mass[*p].gradient > 0.5 * self.data.share[*p];
         let n = (0..self.n_points()).filter(counts).count();
         let mut points = try_with_capacity(n, "the points in units of D")?;
         let mut normals = try_with_capacity(n, "the normals")?;
         for p in (0..self.n_points()).filter(counts) {
-            points.push(std::array::from_fn(|a| self.data.xi[p][a] * self.view.grid.axes[a].cell));
+            points.push(std::array::from_fn(|a| self.data.xi[p][a] * finest.axes[a].cell));
             normals.push(self.data.normals[p]);
         }
         Cloud::new(points, normals)
@@ -291,15 +293,16 @@ impl<const D: usize> Point for Product<'_, D> {
 #[derive(Clone, Copy)]
 struct RightHandSide<'a, const D: usize> {
     term: &'a DataTerm<D>,
+    view: &'a View<D>,
     sign: f64,
 }
 
 impl<const D: usize> Point for RightHandSide<'_, D> {
     #[inline(always)]
     fn add<I: Isa>(self, p: usize, y: &mut [f64], first_layer: usize) {
-        let RightHandSide { term, sign } = self;
-        let (stencil, u) = term.view.stencil(&term.data.xi[p]);
-        let pull = term.pull(&term.view, p);
+        let RightHandSide { term, view, sign } = self;
+        let (stencil, u) = view.stencil(&term.data.xi[p]);
+        let pull = term.pull(view, p);
         let gradient = std::array::from_fn(|a| pull[a] * sign * term.data.normals[p][a]);
         stencil.shifted(first_layer).scatter::<I>(y, &Weights::along::<I, D>(&u), 0.0, gradient);
     }
@@ -329,6 +332,7 @@ impl<const D: usize> Point for Diagonal<'_, D> {
 /// The misfits of some points in order.
 struct Misfits<'a, const D: usize> {
     term: &'a DataTerm<D>,
+    view: &'a View<D>,
     x: &'a [f64],
     sign: f64,
     flattest: f64,
@@ -341,7 +345,7 @@ impl<const D: usize> Kernel for Misfits<'_, D> {
 
     #[inline(always)]
     fn run<I: Isa>(self) {
-        let Misfits { term: DataTerm { data, view, .. }, x, sign, flattest, first, misfits } = self;
+        let Misfits { term: DataTerm { data, .. }, view, x, sign, flattest, first, misfits } = self;
         for (p, misfit) in (first..).zip(misfits) {
             let (stencil, u) = view.stencil(&data.xi[p]);
             let (value, g) = stencil.value_gradient::<I>(x, &Weights::along::<I, D>(&u));

@@ -7,10 +7,11 @@
 //! all in units of D; m is 1/N, or the share of a point that counts for more or less than others; s is 1 where the design may be outside
 //! and -1 where it may be inside, E_d is (9) kept away from the surface: see [`distance`](super::distance). Half its gradient is A c - b.
 
-use super::data::{Data, DataTerm};
+use super::data::{Data, DataTerm, Misfit};
 use super::distance::{DistanceTerm, FarDistances};
 use super::levels::{Level, Terms, multigrid};
 use crate::error::try_vec;
+use crate::geometry::Cloud;
 use crate::linalg::multigrid::Multigrid;
 use crate::par::Workers;
 use crate::spline::Grid;
@@ -37,7 +38,7 @@ pub struct Energy<const D: usize = 3> {
 impl<const D: usize> Energy<D> {
     /// The form on `grid`, in units of D, for `data` in its cells.
     pub fn new(data: Data<D>, grid: Grid<D>, weights: EnergyWeights) -> Result<Self> {
-        let data = DataTerm::new(data, grid, weights.normal);
+        let data = DataTerm::new(data, weights.normal);
         let terms = Terms::new(data.view(grid, [1; D]), weights.smooth)?;
         Ok(Energy { grid, weights, data, terms })
     }
@@ -69,6 +70,16 @@ impl<const D: usize> Energy<D> {
         &mut self.data
     }
 
+    /// The points whose normals count, as [`DataTerm::counted`] gives them.
+    pub fn counted(&self) -> Result<Cloud<D>> {
+        self.data.counted(&self.grid)
+    }
+
+    /// How far each point is from what the data ask for at control points `x`, as [`DataTerm::misfits`] gives it.
+    pub fn misfits(&self, workers: &Workers, x: &[f64], sign: f64, flattest: f64) -> Result<Vec<Misfit>> {
+        self.data.misfits(&self.terms.view, workers, x, sign, flattest)
+    }
+
     /// Multiplies lambda_r by `factor`, in the smoothness alone.
     pub fn smoothen(&mut self, factor: f64) {
         self.terms.smoothness.scale(factor);
@@ -77,7 +88,7 @@ impl<const D: usize> Energy<D> {
     /// b, for gradients `sign` n at the points and distances `sign` d away from them.
     pub fn right_hand_side(&mut self, workers: &Workers, sign: f64) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
-        self.data.add_right_hand_side(workers, sign, &mut b);
+        self.data.add_right_hand_side(&self.terms.view, workers, sign, &mut b);
         // What one point adds where no other is near; normals that cancel out leave rounding of it.
         let shortest = self.grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
         let one = self.weights.normal / (self.data.n_points() as f64 * shortest);

@@ -213,17 +213,14 @@ impl<const D: usize> Fitting<'_, D> {
     }
 
     fn misfits(&self, x: &[f64]) -> Result<Vec<Misfit>> {
-        let mut misfits = try_vec(self.energy.data().n_points(), Misfit::default(), "the misfits of the points")?;
-        let sign = self.options.feasible.sign();
-        self.energy.data().misfits(self.workers, x, sign, reweight::FLATTEST, &mut misfits);
-        Ok(misfits)
+        self.energy.misfits(self.workers, x, self.options.feasible.sign(), reweight::FLATTEST)
     }
 
     /// Adds the distance term for the points that count.
     fn hold_distances(&mut self, progress: &mut Progress) -> Result<()> {
         if self.options.distance_weight > 0.0 {
             let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
-            let far = FarDistances::new(self.energy.data().counted()?, self.energy.grid(), self.workers, tell)?;
+            let far = FarDistances::new(self.energy.counted()?, self.energy.grid(), self.workers, tell)?;
             self.report.clear_sides = far.clear();
             self.energy.hold(far, self.options.distance_weight)?;
         }

@@ -113,7 +113,7 @@ pub struct Multigrid<L> {
 impl<L: Level> Multigrid<L> {
     /// Of the `levels` from the finest on, above one of which the Cholesky factor is `coarsest`.
     pub fn new(levels: Vec<(L, Smoother)>, coarsest: Cholesky) -> Result<Self> {
-        let bottom = try_vec(coarsest.len(), 0.0, "the coarsest level")?;
+        let bottom = try_vec(coarsest.n_unknowns(), 0.0, "the coarsest level")?;
         Ok(Multigrid { levels, coarsest, bottom })
     }
 

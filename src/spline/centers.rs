@@ -78,16 +78,6 @@ impl<const D: usize> Centers<D> {
         Ok(Centers { places, scratch: scratch.collect::<Result<_>>()? })
     }
 
-    /// Places in all.
-    pub fn len(&self) -> usize {
-        self.places.iter().map(|p| p.n).product()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// Cell and local coordinate of place `i` along `axis`.
     pub fn place(&self, axis: usize, i: usize) -> (usize, f64) {
         if self.places[axis].halved { (i / 2, 0.25 + 0.5 * (i % 2) as f64) } else { (i, 0.5) }
