@@ -74,20 +74,19 @@ impl FarDistances {
         // Some chunks at a time, so that the caller hears of them.
         for done in (0..n).step_by(ROUND * CHUNK) {
             tell(done as f64 / n as f64)?;
-            workers.try_for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
+            workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
                 let (mut point, mut probe) = (0, 0);
                 for (i, (d, s)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share)) {
                     let x = center(grid, i);
                     *d = sides.distance(x, &mut point);
                     if *d > near {
                         let t = turns[if same { 0 } else { sides.probe(x, &mut probe) }];
-                        let side = t - 2.0 * sides.winding_number(x)?;
+                        let side = t - 2.0 * sides.winding_number(x);
                         *d = d.copysign(side);
                         *s = (side * side).min(1.0) / n as f64;
                     }
                 }
-                Ok(())
-            })?;
+            });
         }
         let (mut n_far, mut n_clear) = (0u64, 0u64);
         for (_, s) in distance.iter().zip(&share).filter(|(d, _)| d.abs() > near) {

@@ -51,12 +51,24 @@ struct Query<const D: usize> {
 impl<const D: usize> DistanceTree<D> {
     /// The tree of `mesh`: about 200 bytes a facet. [`Mesh::distance_tree`] keeps one.
     pub fn new(mesh: &Mesh<D>) -> Result<Self> {
+        DistanceTree::with(mesh, Winding::new)
+    }
+
+    /// The tree of surfels, which are asked for winding numbers alone: what tells sides close behind an open mesh is left out.
+    pub(super) fn of_surfels(mesh: &Mesh<D>) -> Result<Self> {
+        DistanceTree::with(mesh, |_, tree, corners| Winding::without_sides(tree, corners))
+    }
+
+    fn with(
+        mesh: &Mesh<D>,
+        winding: impl Fn(&Mesh<D>, &Bvh<D>, &[[[f64; D]; D]]) -> Result<Winding<D>>,
+    ) -> Result<Self> {
         let unit = Unit::of(mesh);
         let shrunk = unit.shrunk(mesh)?;
         let tree = Bvh::new(shrunk.facets().len(), |f| Bounds::of(&shrunk.corners(f)))?;
         let mut corners = try_with_capacity(tree.order.len(), "the facets of the distance tree")?;
         corners.extend(tree.order.iter().map(|&t| shrunk.corners(t as usize)));
-        let winding = Winding::new(&shrunk, &tree, &corners)?;
+        let winding = winding(&shrunk, &tree, &corners)?;
         Ok(DistanceTree { bounds: mesh.bounds(), unit, tree, corners, winding })
     }
 

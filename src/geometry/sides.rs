@@ -14,7 +14,7 @@
 use super::neighbours::{Neighbour, Neighbours};
 use super::unit::Unit;
 use super::vec::{add, is_finite, norm, scale, sub, text};
-use super::{Cloud, Mesh};
+use super::{Cloud, DistanceTree};
 use crate::error::{try_vec, try_with_capacity};
 use crate::par::Workers;
 use crate::{Error, Result};
@@ -72,7 +72,7 @@ impl<const D: usize> Sides<D> {
         for (p, side) in points.iter().zip(sides) {
             // Farther than this the cloud is a point, and has no sides but a closed shape's outside.
             let x = p.map(|x| (self.unit.shrink * x).clamp(-1e100, 1e100));
-            *side = (2.0 * (self.near.beside(x).mean - self.near.winding_number(x)?)).clamp(-1.0, 1.0);
+            *side = (2.0 * (self.near.beside(x).mean - self.near.winding_number(x))).clamp(-1.0, 1.0);
         }
         Ok(())
     }
@@ -83,7 +83,7 @@ impl<const D: usize> Sides<D> {
 pub(crate) struct NearSides<const D: usize> {
     /// Without copies.
     points: Neighbours<D>,
-    surfels: Mesh<D>,
+    surfels: DistanceTree<D>,
     /// Points at which W beside the surface is known.
     probes: Neighbours<D>,
     /// [probes]
@@ -108,7 +108,7 @@ impl<const D: usize> NearSides<D> {
         let cloud = cloud.without_copies()?;
         let points = Neighbours::new(cloud.points())?;
         let surfels = cloud.surfels(&points)?;
-        let tree = surfels.distance_tree()?;
+        let tree = DistanceTree::of_surfels(&surfels)?;
 
         let step = (cloud.len() / (8 * PROBES)).clamp(1, points_a_probe::<D>());
         let mut chosen = try_with_capacity(cloud.len().div_ceil(step), "the probes")?;
@@ -136,7 +136,7 @@ impl<const D: usize> NearSides<D> {
                 *w = mean(nearest[..found].iter().map(|n| of_one[n.index as usize]));
             }
         });
-        Ok(NearSides { points, surfels, probes, beside })
+        Ok(NearSides { points, surfels: tree, probes, beside })
     }
 
     /// Distance from `x` to the nearest point; `hint` as [`Neighbours::nearest_from`] takes it.
@@ -145,8 +145,8 @@ impl<const D: usize> NearSides<D> {
     }
 
     /// W, to about 0.1.
-    pub fn winding_number(&self, x: [f64; D]) -> Result<f64> {
-        Ok(self.surfels.distance_tree()?.winding_number(x))
+    pub fn winding_number(&self, x: [f64; D]) -> f64 {
+        self.surfels.winding_number(x)
     }
 
     /// W on both sides of the surface near `x`.

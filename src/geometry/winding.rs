@@ -65,12 +65,18 @@ struct Moments<const D: usize> {
 pub(super) struct Winding<const D: usize> {
     /// One a node of the tree.
     moments: Vec<Moments<D>>,
+    /// `None` where the mesh's rim is too long, or where no side is to be asked for.
     closing: Option<Closing<D>>,
 }
 
 impl<const D: usize> Winding<D> {
-    /// `corners` are those of the mesh in the tree's order.
+    /// For sides of `mesh`; `corners` are its facets' in the tree's order.
     pub fn new(mesh: &Mesh<D>, tree: &Bvh<D>, corners: &[[[f64; D]; D]]) -> Result<Self> {
+        Ok(Winding { closing: Closing::of(mesh)?, ..Winding::without_sides(tree, corners)? })
+    }
+
+    /// For [`Winding::rough`] alone.
+    pub fn without_sides(tree: &Bvh<D>, corners: &[[[f64; D]; D]]) -> Result<Self> {
         let nothing =
             Moments { center: [0.0; D], radius_squared: 0.0, dipole: [0.0; D], quadrupole: [[0.0; D]; 2], area: 0.0 };
         let mut moments = try_vec(tree.nodes.len(), nothing, "the far fields")?;
@@ -85,7 +91,7 @@ impl<const D: usize> Winding<D> {
             let farthest = |a: usize| (node.bounds.max[a] - c[a]).max(c[a] - node.bounds.min[a]);
             moments[i].radius_squared = (0..D).map(|a| farthest(a) * farthest(a)).sum();
         }
-        Ok(Winding { moments, closing: Closing::of(mesh)? })
+        Ok(Winding { moments, closing: None })
     }
 
     /// The side of `q`.

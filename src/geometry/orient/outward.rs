@@ -7,8 +7,8 @@
 //! A component inside an odd number of others is then turned: the boundary of a cavity. Whether it is that, or a solid that floats in a
 //! closed shell without thickness, no cloud tells.
 
-use super::super::Cloud;
 use super::super::vec::{add, dot, norm, scale, sub};
+use super::super::{Cloud, DistanceTree};
 use super::graph::Graph;
 use super::merge::Signs;
 use super::planes::Plane;
@@ -110,7 +110,7 @@ fn nested<const D: usize>(
     let mut directions = try_with_capacity(graph.len(), "the normals of the surfels")?;
     directions.extend_from_slice(normals);
     let surfels = Cloud::new(points, directions)?.surfels(graph.tree())?;
-    let sides = surfels.distance_tree()?;
+    let sides = DistanceTree::of_surfels(&surfels)?;
     let mut left = try_vec(signs.n_components, 0usize, "the sizes of the components")?;
     (0..graph.len()).filter(&counted).for_each(|i| left[signs.component[i] as usize] += 1);
     let every: Vec<usize> = left.iter().map(|n| n.div_ceil(PROBES).max(1)).collect();
