@@ -171,4 +171,6 @@ fn unusable(control_points: &[f64]) -> Option<(usize, String)> {
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+mod tests_multigrid;
+#[cfg(test)]
 mod tests_plane;
