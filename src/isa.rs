@@ -3,6 +3,10 @@
 //! A kernel is written once over [`Isa`], with every function down to the arithmetic `#[inline(always)]`, so that the whole of it is
 //! compiled with the instructions of the set that it runs on. Results of two sets differ by rounding: a fused multiply-add rounds once. On
 //! one machine they are the same bits in every run.
+//!
+//! The unsafe code is the instructions on registers. Plain arrays of four and eight numbers in their place, compiled for the same set, took
+//! two to four times as long: 36, 43 and 73 ns a point for value, gradient and Hessian instead of 10.6, 18.2 and 30.0, and an iteration of
+//! a fit, with the solves of its blocks, 52 ms instead of 24.
 
 /// What a set of instructions adds to Rust's arithmetic.
 pub trait Isa: Copy + Send + Sync {

@@ -8,13 +8,16 @@
 //! | room | takes | gives |
 //! |---|---|---|
 //! | [`geometry`] | files, arrays | meshes, reports, oriented clouds, exact signed distances |
-//! | [`spline`] | a box and a resolution | uniform cubic B-spline bases, exact Gram matrices, operators on control points, the evaluation kernel |
+//! | [`spline`] | a box and a resolution | uniform cubic B-splines, exact Gram matrices, operators on control points, evaluation |
 //! | [`linalg`] | operators | solutions by conjugate gradients, preconditioned by multigrid |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
-//! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all rooms share: the plane or space, errors, instruction sets, threads, progress |
+//! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all share: plane or space, errors, instructions, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
 //!
 //! Data flows one way, top to bottom. No room but `ffi` knows that C exists.
+//!
+//! Unsafe code is in `ffi` for the pointers of C, in [`isa`] for instructions, in `pages` for a hint to the system, in [`spline::rows`] for
+//! rows that were checked before, and nowhere else.
 
 pub mod dimension;
 pub mod error;
