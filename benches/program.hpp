@@ -1,13 +1,18 @@
-// What the benches' programs share: where the data lies, and how they end.
+// What the benches' programs share: where the data lies, which of their subjects they print, and how they end.
 // SPDX-License-Identifier: Apache-2.0 OR MIT
 #pragma once
 
+#include "machine.hpp"
+
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace bench {
 
@@ -35,6 +40,36 @@ template <class Body> int run(const char *name, Body body) {
         std::fprintf(stderr, "%s: %s\n", name, error.what());
         return EXIT_FAILURE;
     }
+}
+
+// A part of a program's figures.
+struct Subject {
+    const char *name;
+    void (*print)(const Data &data);
+};
+
+// Prints the machine, and the subjects that the command line names behind the folder of data; all where it names none, but for `alone`,
+// which is for a process that does nothing else.
+inline int run_subjects(const char *name, int argc, char **argv, const std::vector<Subject> &subjects, const Subject &alone) {
+    std::vector<Subject> named;
+    bool known = argc >= 2;
+    for (int i = 2; i < argc; ++i) {
+        const auto is_it = [&](const Subject &subject) { return !std::strcmp(argv[i], subject.name); };
+        const auto found = std::find_if(subjects.begin(), subjects.end(), is_it);
+        known = known && (found != subjects.end() || is_it(alone));
+        named.push_back(found != subjects.end() ? *found : alone);
+    }
+    if (!known) {
+        std::fprintf(stderr, "usage: %s DATA_FOLDER [SUBJECT...], of", name);
+        for (const Subject &subject : subjects) std::fprintf(stderr, " %s", subject.name);
+        std::fprintf(stderr, " %s\n", alone.name);
+        return EXIT_FAILURE;
+    }
+    return run(name, [&] {
+        const Data data(argv[1]);
+        print_machine();
+        for (const Subject &subject : named.empty() ? subjects : named) subject.print(data);
+    });
 }
 
 }  // namespace bench

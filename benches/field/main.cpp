@@ -1,53 +1,20 @@
 // The field's figures, all of them or the subjects that are named.
 // SPDX-License-Identifier: Apache-2.0 OR MIT
-#include "../machine.hpp"
 #include "subjects.hpp"
 
-#include <cstring>
-
-namespace {
-
-using namespace bench;
-
-struct Subject {
-    const char *name;
-    void (*print)(const Data &data);
-};
-
-const Subject SUBJECTS[] = {{"accuracy", accuracy},     {"tables", tables},   {"plane", plane}, {"several", several},
-                            {"level_sets", level_sets}, {"normals", normals}, {"guess", guess}, {"scale", scale},
-                            {"speed", speed},           {"signs", signs},     {"growth", growth}};
-
-const Subject FIT_ONLY = {"fit-only", fit_only};
-
-const Subject *subject_of(const char *name) {
-    for (const Subject &subject : SUBJECTS)
-        if (!std::strcmp(name, subject.name)) return &subject;
-    return std::strcmp(name, FIT_ONLY.name) ? nullptr : &FIT_ONLY;
-}
-
-int usage(const char *program) {
-    std::fprintf(stderr, "usage: %s DATA_FOLDER [SUBJECT...], of", program);
-    for (const Subject &subject : SUBJECTS) std::fprintf(stderr, " %s", subject.name);
-    std::fprintf(stderr, " %s\n", FIT_ONLY.name);
-    return EXIT_FAILURE;
-}
-
-}  // namespace
-
 int main(int argc, char **argv) {
-    if (argc < 2) return usage(argv[0]);
-    std::vector<const Subject *> named;
-    for (int i = 2; i < argc; ++i) {
-        named.push_back(subject_of(argv[i]));
-        if (!named.back()) return usage(argv[0]);
-    }
-    return run("field", [&] {
-        const Data data(argv[1]);
-        if (named.empty()) {
-            print_machine();
-            for (const Subject &subject : SUBJECTS) named.push_back(&subject);
-        }
-        for (const Subject *subject : named) subject->print(data);
-    });
+    using namespace bench;
+    return run_subjects("field", argc, argv,
+                        {{"accuracy", accuracy},
+                         {"tables", tables},
+                         {"plane", plane},
+                         {"several", several},
+                         {"level_sets", level_sets},
+                         {"normals", normals},
+                         {"guess", guess},
+                         {"scale", scale},
+                         {"speed", speed},
+                         {"signs", signs},
+                         {"growth", growth}},
+                        {"fit-only", fit_only});
 }
