@@ -106,7 +106,8 @@ Row mean_of(const std::vector<Row> &rows) {
 
 void print_table(const std::string &title, const std::vector<Weights> &weights, const std::vector<Row> &rows) {
     std::printf("\n## %s\n\n", title.c_str());
-    std::printf("| lambda_normal | lambda_smooth | distance_weight | reweightings | rms | max | rms at +-0.01 D | wrong signs | iterations |\n");
+    std::printf("| lambda_normal | lambda_smooth | distance_weight | reweightings | rms | max | rms at +-0.01 D | wrong signs | "
+                "iterations |\n");
     std::printf("|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n");
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Row &row = rows[i];
@@ -135,9 +136,14 @@ void all(const Data &data) {
     const std::vector<Weights> weights = sweep();
     std::vector<std::vector<Row>> of_weights(weights.size());
 
-    std::printf("# Weights\n\nFits to 25,000 samples, otherwise with the default options of keepout %s. Errors are those of |phi| / |grad phi| on the "
-                "surface at 20,000\nheld-out points, and of phi at 40,000 points +-0.01 D off it, in units of D; wrong signs are of 20,000 points in "
-                "the box, those farther\nthan one cell from the surface. The last row has the paper's weights, taken as dimensionless.\n\nThe defaults are the most accurate whose signs are all right and that keep the mean of |grad phi| on the bunny within 0.02 of 1.\n",
+    std::printf("# Weights\n\n"
+                "Fits to 25,000 samples, otherwise with the default options of keepout %s. Errors are those of |phi| / |grad phi| on the "
+                "surface at 20,000\n"
+                "held-out points, and of phi at 40,000 points +-0.01 D off it, in units of D; wrong signs are of 20,000 points in the box, "
+                "those farther\n"
+                "than one cell from the surface. The last row has the paper's weights, taken as dimensionless.\n\n"
+                "The defaults are the most accurate whose signs are all right and that keep the mean of |grad phi| on the bunny within "
+                "0.02 of 1.\n",
                 ko_version());
     for (const auto &from : shapes) {
         const Shape shape = shape_of(from.name, data(from.path), from.grid);

@@ -509,13 +509,12 @@ typedef struct ko_fit_report {
     /**
      * Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
      * open ones: beyond their rim and far from them the sign of phi is one of many; `ko_cloud_sides` tells where. Not a number
-     * where distance_weight was 0, and for a field that was
-     * loaded or made.
+     * where distance_weight was 0, and for a field that was loaded or made.
      */
     double clear_sides;
     /**
-     * Mean factor by which an iteration of the last round lowered the residual: 0.1 gains a digit each. Not a number for a field that was loaded
-     * or made.
+     * Mean factor by which an iteration of the last round lowered the residual: 0.1 gains a digit each. Not a number for a field that
+     * was loaded or made.
      */
     double convergence_rate;
 } ko_fit_report;

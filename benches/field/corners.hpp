@@ -16,6 +16,7 @@ std::vector<double> rim_of(const Facets &mesh, double spacing);
 double nearest(const double *p, const std::vector<double> &points, std::size_t dim);
 
 // Those of `points` [n x dim] that are farther than `distance` from all of `others` [m x dim].
-std::vector<double> farther_than(double distance, const std::vector<double> &points, const std::vector<double> &others, std::size_t dim = 2);
+std::vector<double> farther_than(double distance, const std::vector<double> &points, const std::vector<double> &others,
+                                 std::size_t dim = 2);
 
 }  // namespace bench

@@ -20,8 +20,8 @@ for dump in "$here"/*/keepout.abi; do
     # The preprocessor's constants are in no dump.
     changed=$(comm -23 <(constants "$kept/keepout.h") <(constants "$here/../../include/keepout.h"))
     [[ -z $changed ]] || { echo "no longer so in keepout.h: $changed"; failures=$((failures + 1)); }
-    # New functions are fine; all else moves KO_ABI_VERSION, and with it the soname. Harmless changes count too: a struct that grows at its end,
-    # as those with struct_size may, is to be seen here once, and then let pass by its name, in grown.ini.
+    # New functions are fine; all else moves KO_ABI_VERSION, and with it the soname. Harmless changes count too: a struct that grows at its
+    # end, as those with struct_size may, is to be seen here once, and then let pass by its name, in grown.ini.
     abidiff --no-added-syms --harmless --suppressions "$here/grown.ini" "$dump" "$now" || failures=$((failures + 1))
 done
 [[ $failures == 0 ]]

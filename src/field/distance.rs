@@ -161,7 +161,8 @@ impl<const D: usize> DistanceTerm<D> {
         Ok(DistanceTerm { centers, mass, distance: Vec::new(), values })
     }
 
-    /// The largest mass, and the matrices along each axis of which the tensor product times it would be the term's, had all places that mass.
+    /// The largest mass, and the matrices along each axis of which the tensor product times it would be the term's, had all places that
+    /// mass.
     pub fn uniform(&self) -> Result<(f64, [Band; D])> {
         let n = self.centers.shape();
         let band = |a: usize| {

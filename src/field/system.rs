@@ -1,8 +1,8 @@
 //! The linear system of the minimum (11) and its preconditioners: the inverse of the diagonal, and the multigrid.
 //!
-//! The diagonal costs nothing, and where distances are held iterations with it fall as the grid is refined: 870, 375 for a bunny of 25,000 and
-//! 64,000 points to 1e-6 in four rounds. Without them they grow: 517, 1407. A V-cycle takes 11 and 11, each at some fifteen times the cost, after
-//! work worth eighty. So a solve begins with the diagonal, and goes on with the multigrid where too much seems to be left.
+//! The diagonal costs nothing, and where distances are held iterations with it fall as the grid is refined: 870, 375 for a bunny of 25,000
+//! and 64,000 points to 1e-6 in four rounds. Without them they grow: 517, 1407. A V-cycle takes 11 and 11, each at some fifteen times the
+//! cost, after work worth eighty. So a solve begins with the diagonal, and goes on with the multigrid where too much seems to be left.
 
 use super::energy::Energy;
 use super::levels::Level;

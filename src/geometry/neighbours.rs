@@ -88,8 +88,8 @@ impl<const D: usize> Neighbours<D> {
 }
 
 impl<const D: usize> Neighbours<D> {
-    /// The point nearest to `p`, the first of those as near; `hint` is its place in the order, or that of any point: one that is near makes the
-    /// search short. Becomes the place that was found.
+    /// The point nearest to `p`, the first of those as near; `hint` is its place in the order, or that of any point: one that is near makes
+    /// the search short. Becomes the place that was found.
     pub fn nearest_from(&self, p: [f64; D], hint: &mut usize) -> Neighbour {
         let at = |place: usize| {
             let r = sub(self.points[place], p);

@@ -231,7 +231,7 @@ pub struct LayerSums<'a> {
 }
 
 impl LayerSums<'_> {
-    /// Adds value m v_x v_y v_z + pull (s_x v_y v_z + v_x s_y v_z + v_x v_y s_z), v the products of values and s those of slopes, at the cell
+    /// Adds value v_x v_y v_z + pull (s_x v_y v_z + v_x s_y v_z + v_x v_y s_z), v the products of values and s those of slopes, at the cell
     /// (j, k) of the layer; `ny` control points lie along y.
     #[inline(always)]
     pub fn add<I: Isa>(&mut self, ny: usize, [j, k]: [usize; 2], products: &[AxisProducts; 3], value: f64, pull: f64) {

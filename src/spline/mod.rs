@@ -15,8 +15,8 @@
 //! | (5), the sum over control points | [`kernel`] |
 //! | the integrals of (7) along one axis | [`gram::Gram`] |
 //!
-//! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries; [`blocks`], their
-//! local inverses; [`centers`], sums at the middles of all cells.
+//! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries;
+//! [`blocks`], their local inverses; [`centers`], sums at the middles of all cells.
 //!
 //! Tensors of control points are row-major, the last axis contiguous.
 

@@ -335,7 +335,13 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn random_level_sets_in_space_are_manifolds(seed: u64, n in 2_usize..8, level in -1.0..1.0, subdivisions in 1_u32..4, shortest_edge in 0.0..1.0) {
+    fn random_level_sets_in_space_are_manifolds(
+        seed: u64,
+        n in 2_usize..8,
+        level in -1.0..1.0,
+        subdivisions in 1_u32..4,
+        shortest_edge in 0.0..1.0,
+    ) {
         for lift in [0.0, 12.0] {
             let phi = waves::<3>(seed, lift);
             let options = LevelSetOptions { subdivisions, shortest_edge, ..one_thread() };
