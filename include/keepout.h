@@ -897,7 +897,7 @@ int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
  * Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 30 ns a point and 25 ns a control point on one
  * thread; a hundred or two are usual. Where many more seem to be left the solve goes on by multigrid, in some ten iterations however many
  * control points there are, each at fifteen times the cost. Memory: about 600 bytes a point and 200 a control point; a multigrid takes up
- * to 2500 a control point more, mostly a fifth of that, and is left out where `memory_limit` has no room for it.
+ * to 4000 a control point more, for a million of them 700 to 1700, and is left out where `memory_limit` has no room for it.
  */
 int32_t ko_field_fit(const struct ko_cloud *cloud,
                      const struct ko_fit_options *options,

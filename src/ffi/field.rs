@@ -29,7 +29,7 @@ pub struct ko_field(pub(super) OfDimension<Field<2>, Field<3>>);
 /// Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 30 ns a point and 25 ns a control point on one
 /// thread; a hundred or two are usual. Where many more seem to be left the solve goes on by multigrid, in some ten iterations however many
 /// control points there are, each at fifteen times the cost. Memory: about 600 bytes a point and 200 a control point; a multigrid takes up
-/// to 2500 a control point more, mostly a fifth of that, and is left out where `memory_limit` has no room for it.
+/// to 4000 a control point more, for a million of them 700 to 1700, and is left out where `memory_limit` has no room for it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_fit(
     cloud: *const ko_cloud,

@@ -4,6 +4,7 @@ use super::data::{Data, Misfit};
 use super::distance::FarDistances;
 use super::energy::Energy;
 use super::levels;
+use super::smoothness::Smoothness;
 use super::system::{Diagonal, FEW, PATIENCE};
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
 use crate::Result;
@@ -29,16 +30,16 @@ fn chosen_control_points<const D: usize>(n_points: usize) -> usize {
 /// Cells of a refit, in D: where they are much longer the system is singular to rounding, and no solve converges.
 const LARGEST_CELL: f64 = 100.0;
 
-/// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included.
+/// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included, but for some
+/// kilobytes a thread.
 pub fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
     // A point: its coordinates, normal, origin and weight; the same in the order of cells, its share, masses, misfit and place; its copy
     // in units of D; its surfel with the trees that measure distances to it.
     let point = (24 + 24 + 32 + 8) + (24 + 24 + 8 + 16 + 32 + 16) + 48 + 450;
-    // An unknown: the solution and the right-hand side, four vectors of the solve, six of the regularisation, one of the
-    // preconditioner, eight of the distances. An axis: three bands of 7 numbers a control point.
-    let unknown = 8 * (2 + 4 + 6 + 1 + 8);
-    let band = 3 * 56;
-    n_points * point + shape.iter().product::<u128>() * unknown + shape.iter().sum::<u128>() * band
+    // An unknown: the solution and the right-hand side, four vectors of the solve, one of the preconditioner, eight of the distances.
+    let unknown = 8 * (2 + 4 + 1 + 8);
+    let in_space = std::array::from_fn(|a| if a + D >= 3 { shape[a + D - 3] } else { 1 });
+    n_points * point + shape.iter().product::<u128>() * unknown + Smoothness::bytes(in_space)
 }
 
 impl<const D: usize> Field<D> {
@@ -258,8 +259,8 @@ impl<const D: usize> Fitting<'_, D> {
     /// Whether the grid is large enough for a multigrid to pay, and the limit of memory for what it takes more.
     fn multigrid_fits(&self) -> bool {
         let (n_points, shape) = (self.energy.data().n_points() as u128, self.energy.grid().shape().map(|n| n as u128));
-        let bytes = memory(n_points, shape) + levels::memory(n_points, shape);
         let grid = self.energy.grid();
+        let bytes = memory(n_points, shape) + levels::memory(n_points, grid);
         grid.n_control() >= FEW && levels::serve(grid) && bytes <= u128::from(self.options.memory_limit)
     }
 

@@ -75,11 +75,7 @@ impl<const D: usize> Terms<D> {
 
     /// The terms on the grid with the axes coarsened for which `halved` is true.
     fn coarser(&self, data: &DataTerm<D>, halved: [bool; D]) -> Result<Self> {
-        let axis = |a: usize| match (self.view.grid().axes[a], halved[a]) {
-            (axis, false) => axis,
-            (axis, true) => Axis { cell: 2.0 * axis.cell, n_cells: coarser(axis.n_cells), ..axis },
-        };
-        let grid = Grid { axes: std::array::from_fn(axis) };
+        let grid = coarser_grid(self.view.grid(), halved);
         let times = std::array::from_fn(|a| if halved[a] { 2 * self.times[a] } else { self.times[a] });
         let distance = self.distance.as_ref().map(|d| d.coarser(&grid)).transpose()?;
         let mut smoothness = self.smoothness.coarser(in_space(halved))?;
@@ -151,6 +147,15 @@ fn halved<const D: usize>(grid: &Grid<D>) -> [bool; D] {
     std::array::from_fn(|a| !coarsest && can(a) && grid.axes[a].cell <= LONG * shortest)
 }
 
+/// `grid` with the axes coarsened for which `halved` is true.
+fn coarser_grid<const D: usize>(grid: &Grid<D>, halved: [bool; D]) -> Grid<D> {
+    let axis = |a: usize| match (grid.axes[a], halved[a]) {
+        (axis, false) => axis,
+        (axis, true) => Axis { cell: 2.0 * axis.cell, n_cells: coarser(axis.n_cells), ..axis },
+    };
+    Grid { axes: std::array::from_fn(axis) }
+}
+
 /// Whether a multigrid has more than one grid.
 pub(super) fn serve<const D: usize>(grid: &Grid<D>) -> bool {
     halved(grid).contains(&true)
@@ -161,15 +166,31 @@ fn has_entries(n_control: u128, n_points: u128) -> bool {
     2 * n_control < ENTRIES_BELOW * n_points
 }
 
-/// Bytes that a multigrid for `n_points` points on a tensor of `shape` control points takes at most.
-pub(super) fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
-    let shape: [u128; 3] = std::array::from_fn(|a| if a + D >= 3 { shape[a + D - 3] } else { 1 });
-    let n: u128 = shape.iter().product();
-    let planes = if has_entries(n, n_points) { shape[0] } else { shape[0].min(Blocks::WINDOW) };
-    // Besides entries and blocks four vectors of the smoother, the transfer's one, and what tells blocks apart: six. All coarser grids together
-    // have a seventh of that in space, a third in the plane, and entries.
-    let finest = Assembled::bytes(shape, planes) + Blocks::bytes(shape, n_points) + n * 8 * (4 + 1 + 6);
-    finest + finest / if shape[0] == 1 { 2 } else { 5 } + Assembled::bytes(shape, shape[0]) / 4
+/// Bytes that a multigrid for `n_points` points on `grid` takes at most beside the terms there, but for a fifth of a megabyte a thread.
+///
+/// Grid by grid: where cells are longer along some axes than along others, a coarser grid has half of the control points, not an eighth.
+pub(super) fn memory<const D: usize>(n_points: u128, grid: &Grid<D>) -> u128 {
+    let (mut grid, mut bytes) = (*grid, 0);
+    loop {
+        let shape = shape_in_space(&grid);
+        let n: u128 = shape.iter().product();
+        let axes = halved(&grid);
+        if axes == [false; D] {
+            // The triangle of the matrix.
+            return bytes + Assembled::bytes(shape, shape[0]) + n * (n + 1) / 2 * 8;
+        }
+        let planes = if has_entries(n, n_points) { shape[0] } else { shape[0].min(Blocks::WINDOW) };
+        // Four vectors of the smoother, the transfer's one, and what tells blocks apart: six.
+        bytes += Assembled::bytes(shape, planes) + Blocks::bytes(shape, n_points) + n * 8 * (4 + 1 + 6);
+        grid = coarser_grid(&grid, axes);
+        // The coarser grid's terms: smoothness, and far masses in these cells with three tensors of sums and values at most as large.
+        bytes += Smoothness::bytes(shape_in_space(&grid)) + n * 8 * 4;
+    }
+}
+
+/// Control points along x, y, z, of which the plane has one along x.
+fn shape_in_space<const D: usize>(grid: &Grid<D>) -> [u128; 3] {
+    std::array::from_fn(|a| if a + D >= 3 { grid.axes[a + D - 3].n_control() as u128 } else { 1 })
 }
 
 /// `halved` with the axes that the plane lacks, which are not.

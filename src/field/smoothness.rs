@@ -50,6 +50,14 @@ impl Smoothness {
         Ok(Smoothness { shape, gram, factor, along_z, scratch: Default::default() })
     }
 
+    /// Bytes on a tensor of `shape`, with what [`Smoothness::reserve`] takes.
+    pub fn bytes(shape: [u128; 3]) -> u128 {
+        let [nx, ny, nz] = shape;
+        let line = nz.next_multiple_of(4);
+        // Along an axis three bands of 7 numbers a control point; those along z once more.
+        8 * (6 * nx * ny * line + 21 * (nx + ny + nz + line))
+    }
+
     /// The operator on the grid with the axes coarsened for which `halved` is true: integrated over the same box.
     pub fn coarser(&self, halved: [bool; 3]) -> Result<Self> {
         let mut gram = self.gram.clone();

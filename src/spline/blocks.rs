@@ -2,8 +2,8 @@
 //! Schwarz; Smith, Bjorstad and Gropp 1996, chapter 1).
 //!
 //! Where data are stiff beside smoothness, combinations of neighbours that the data hardly see have far less energy than any one control
-//! point. The diagonal takes them for stiff, and no coarse grid can express them; a block of 4^D control points, every second one along each
-//! axis, has them whole.
+//! point. The diagonal takes them for stiff, and no coarse grid can express them; a block of 4^D control points, every second one along
+//! each axis, has them whole.
 //!
 //! Blocks with stiff control points have factors of their own, and are factored and solved eight side by side, one a lane, so that every
 //! instruction serves all. The others hold what is the same everywhere, and share a factor with all blocks that lie likewise towards the
@@ -100,12 +100,16 @@ impl Blocks {
 
     /// Bytes of the blocks on a tensor of `shape`, with the factors of their own that `n_points` points can ask for.
     pub fn bytes(shape: [u128; 3], n_points: u128) -> u128 {
-        // A point's cell has functions of as many blocks.
-        let (n, met): (u128, u128) = if shape[0] == 1 { (16, 16) } else { (64, 64) };
-        let blocks = shape.iter().map(|n| n / 2 + 1).product::<u128>();
-        // Lanes stay empty at the end of a slab.
-        let own = blocks.min(met * n_points) + shape[0] * LANES as u128;
-        own * (n * (n + 1) / 2 * 4) + blocks * 16 + shape.iter().product::<u128>() * 8
+        let [edge, step, lanes] = [EDGE, STEP, LANES].map(|n| n as u128);
+        let n_starts = |n: u128| if n == 1 { 1 } else { (n - edge).div_ceil(step) + 1 };
+        let blocks = shape.iter().map(|n| n_starts(*n)).product::<u128>();
+        let n = if shape[0] == 1 { edge.pow(2) } else { edge.pow(3) };
+        // A point's cell has functions of as many blocks as a block has control points. Lanes stay empty at the end of a slab.
+        let own = blocks.min(n * n_points) + n_starts(shape[0]) * lanes;
+        // Along an axis a block lies in one of five ways, and it has one of two operators.
+        let shared = blocks.min(2 * 5u128.pow(3));
+        let triangle = n * (n + 1) / 2 * size_of::<f32>() as u128;
+        own * triangle + shared * (triangle + 16 * n) + blocks * 32 + shape.iter().product::<u128>() * 8
     }
 
     /// No block, on a tensor of `shape`, of an operator with the `diagonal`.
