@@ -26,7 +26,8 @@
 //! - Points that the surface misses are weighted more in a few rounds, against the largest error: [`reweight`]; or, where the caller
 //!   does not trust the cloud, less: [`robust`].
 //! - The minimum is found from zero: the problem is linear, so the paper's start from (1) changes nothing but the count of iterations, and
-//!   that from 98 to 94 (`benches/run field guess`). A shape that moves a little is another matter: [`Field::refit`].
+//!   that from 98 to 94, to 1e-8 by multigrid not at all (`benches/run field guess`). A shape that moves a little is another matter:
+//!   [`Field::refit`].
 //! - Degree 3 only. The paper studied others and found nothing above 3. Degree 2 has a Hessian that jumps, which no Newton method forgives;
 //!   4 and 5 read 125 and 216 control points a point where 3 reads 64, two to three and a half times as many, in rows that
 //!   no longer are one vector of four numbers; and every kernel of a fit would need a form for each. What limits the error beside an edge
