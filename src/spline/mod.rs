@@ -15,8 +15,9 @@
 //! | (5), the sum over control points | [`kernel`] |
 //! | the integrals of (7) along one axis | [`gram::Gram`] |
 //!
-//! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries;
-//! [`blocks`], their local inverses; [`centers`], sums at the middles of all cells.
+//! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries; [`blocks`],
+//! their local inverses; [`centers`], sums at the middles of all cells; [`tree`], cells refined where needed, [`hierarchical`], the splines on
+//! them, and [`tile_gram`], their smoothness.
 //!
 //! Tensors of control points are row-major, the last axis contiguous.
 
@@ -28,8 +29,11 @@ pub mod basis;
 pub mod blocks;
 pub mod centers;
 pub mod gram;
+pub mod hierarchical;
 pub mod kernel;
 pub mod rows;
+pub mod tile_gram;
+pub mod tree;
 pub mod two_scale;
 
 pub use axis::{Axis, Grid};
