@@ -66,6 +66,16 @@ pub enum Place {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
+    /// The error of one solve of several, with the `earlier` ones' iterations counted, as the limit counts them.
+    pub(crate) fn counting_earlier_iterations(self, earlier: u32) -> Self {
+        match self {
+            Error::NotConverged { iterations, residual, tolerance } => {
+                Error::NotConverged { iterations: iterations + earlier as usize, residual, tolerance }
+            }
+            other => other,
+        }
+    }
+
     /// An [`Error::Io`] on `path` with the system's words.
     pub fn io(path: &Path, source: &std::io::Error) -> Self {
         Error::Io { path: path.to_owned(), message: source.to_string() }

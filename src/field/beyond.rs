@@ -1,6 +1,6 @@
 //! The field outside its box: a C2 continuation that grows like a distance.
 //!
-//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the cell's edge, s(t) = l tanh(t / l) and e = t -
+//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the edge of the shortest cells on faces, s(t) = l tanh(t / l) and e = t -
 //! s(t). With P the boundary cell's polynomial, continued by at most l, and r = |e| over the axes,
 //!
 //! ```text
@@ -15,6 +15,7 @@
 //! prolongation of that crossing the slope grows with r / h.
 
 use super::Field;
+use super::eval::Place;
 use crate::geometry::vec::norm;
 use crate::isa::Portable;
 use crate::spline::kernel::Hessian;
@@ -35,6 +36,8 @@ pub struct Beyond {
     level: f64,
     /// L
     length: f64,
+    /// l, in cells of the grid.
+    reach: f64,
 }
 
 /// Value, gradient and Hessian.
@@ -60,16 +63,16 @@ impl<const D: usize> Field<D> {
     #[cold]
     pub(super) fn continued(&self, xi: [f64; D]) -> Jet<D> {
         let mut bends = [Bend { ds: 1.0, ..Bend::default() }; D];
-        let mut bent = xi;
+        let (mut bent, reach) = (xi, self.beyond.reach);
         for (a, axis) in self.grid.axes.iter().enumerate() {
             let face = xi[a].clamp(0.0, axis.n_cells as f64);
             if face != xi[a] {
                 let tau = xi[a] - face;
-                bends[a] = bend(tau / REACH, REACH * axis.cell);
-                bent[a] = face + REACH * (tau / REACH).tanh();
+                bends[a] = bend(tau / reach, reach * axis.cell);
+                bent[a] = face + reach * (tau / reach).tanh();
             }
         }
-        let Beyond { sign, level, length } = self.beyond;
+        let Beyond { sign, level, length, .. } = self.beyond;
         let polynomial = self.bent_polynomial(bent, &bends);
         let r = escape(&bends);
         let sigma = match sign {
@@ -95,8 +98,8 @@ impl<const D: usize> Field<D> {
             let inner = (0..D - 1).all(|a| corner[a] > 0 && corner[a] < n[a]);
             for k in (0..=n[D - 1]).step_by(if inner { n[D - 1] } else { 1 }) {
                 corner[D - 1] = k;
-                let (stencil, u) = self.grid.stencil(corner.map(|x| x as f64));
-                let value = stencil.value::<Portable>(&self.coefficients, u);
+                let Place { stencil, u, control_points, .. } = self.place_near(corner.map(|x| x as f64));
+                let value = stencil.value::<Portable>(control_points, u);
                 total += value;
                 size += value.abs();
                 count += 1.0;
@@ -104,20 +107,35 @@ impl<const D: usize> Field<D> {
         }
         let extents = self.grid.axes.map(|a| a.upper() - a.lower);
         let length = norm(extents);
+        let reach = REACH / self.refined.as_ref().map_or(1.0, |r| r.finest_on_faces());
         if size == 0.0 {
-            Beyond { sign: Some(self.feasible.sign()), level: 0.0, length }
+            Beyond { sign: Some(self.feasible.sign()), level: 0.0, length, reach }
         } else if total.abs() > ONE_SIDED * size {
-            Beyond { sign: Some(total.signum()), level: total / count, length }
+            Beyond { sign: Some(total.signum()), level: total / count, length, reach }
         } else {
-            Beyond { sign: None, level: 0.0, length }
+            Beyond { sign: None, level: 0.0, length, reach }
         }
+    }
+
+    /// The place of a point given in cells of the grid, in the box or a little beyond it: then in the nearest cell, which it is not in.
+    fn place_near(&self, xi: [f64; D]) -> Place<'_, D> {
+        let per_cell = self.grid.axes.map(|a| 1.0 / a.cell);
+        let Some(refined) = &self.refined else {
+            let (stencil, u) = self.grid.stencil(xi);
+            return Place { stencil, u, control_points: &self.coefficients, per_cell };
+        };
+        let face: [f64; D] = std::array::from_fn(|a| xi[a].clamp(0.0, self.grid.axes[a].n_cells as f64));
+        let mut place = refined.place(&face, per_cell);
+        for a in 0..D {
+            place.u[a] += (xi[a] - face[a]) * (place.per_cell[a] / per_cell[a]);
+        }
+        place
     }
 
     /// Jet of P(x_face + s(t)).
     fn bent_polynomial(&self, bent: [f64; D], bends: &[Bend; D]) -> Jet<D> {
-        let (stencil, u) = self.grid.stencil(bent);
-        let (value, g, h) = stencil.value_gradient_hessian::<Portable>(&self.coefficients, u);
-        let per_cell = self.grid.axes.map(|a| 1.0 / a.cell);
+        let Place { stencil, u, control_points, per_cell } = self.place_near(bent);
+        let (value, g, h) = stencil.value_gradient_hessian::<Portable>(control_points, u);
         let slope = |a: usize| per_cell[a] * bends[a].ds;
         let gradient = std::array::from_fn(|a| g[a] * slope(a));
         let hessian = matrix(|a, b| {

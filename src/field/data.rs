@@ -21,6 +21,8 @@ const SLAB: usize = 4;
 /// How far a point is from what the data ask for.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Misfit {
+    /// |phi|, in units of D.
+    pub value: f64,
     /// First-order distance |phi| / |grad phi| to the surface phi = 0, in units of D.
     pub distance: f64,
     /// |grad phi - s n|
@@ -30,12 +32,12 @@ pub struct Misfit {
 /// Points in cells of a grid, sorted by cell.
 pub struct Data<const D: usize = 3> {
     /// [N x D], in cells.
-    xi: Vec<[f64; D]>,
+    pub(super) xi: Vec<[f64; D]>,
     /// Unit normals [N x D].
-    normals: Vec<[f64; D]>,
+    pub(super) normals: Vec<[f64; D]>,
     /// The caller's weights, of sum 1 [N].
-    share: Vec<f64>,
-    mass: Vec<Mass>,
+    pub(super) share: Vec<f64>,
+    pub(super) mass: Vec<Mass>,
 }
 
 /// What a point counts for: its share unless reweighted.
@@ -350,7 +352,8 @@ impl<const D: usize> Kernel for Misfits<'_, D> {
             let (stencil, u) = view.stencil(&data.xi[p]);
             let (value, g) = stencil.value_gradient::<I>(x, &Weights::along::<I, D>(&u));
             let gradient: [f64; D] = std::array::from_fn(|a| view.per_cell[a] * g[a]);
-            misfit.distance = value.abs() / norm(gradient).max(flattest);
+            misfit.value = value.abs();
+            misfit.distance = misfit.value / norm(gradient).max(flattest);
             misfit.normal = norm(sub(gradient, scale(sign, data.normals[p])));
         }
     }

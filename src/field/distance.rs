@@ -16,10 +16,10 @@
 //! where they point inwards and W is -1 inside and 0 outside; 0 beside a flat sheet, where W is 1/2 behind and -1/2 before it. So d is
 //! positive where the normals point to.
 
+use super::distance_sampler::{DistanceSampler, Hint};
 use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
-use crate::geometry::sides::{Beside, NearSides};
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::spline::Grid;
@@ -32,7 +32,7 @@ use crate::spline::gram::{Band, band_of_places};
 const NEAREST: f64 = 1.0;
 
 /// s from which on a cell's side counts as clear: |t - 2 W| is a half.
-const CLEAR: f64 = 0.25;
+pub(super) const CLEAR: f64 = 0.25;
 
 /// Distances to hold far from the surface, a cell each.
 pub struct FarDistances {
@@ -62,12 +62,7 @@ impl FarDistances {
         const ROUND: usize = 32;
         tell(0.0)?;
         let n = grid.n_cells().iter().product();
-        let sides = NearSides::new(cloud, workers)?;
-        let whole = sides.everywhere();
-        let mut turns = try_vec(sides.at_probes().len(), 0.0, "far distances")?;
-        turns.iter_mut().zip(sides.at_probes()).for_each(|(t, beside)| *t = turn(*beside, whole));
-        // Of closed shapes all are the same, and none need be looked for.
-        let same = turns.iter().all(|t| *t == turns[0]);
+        let sampler = DistanceSampler::new(cloud, workers)?;
         let near = NEAREST * grid.longest_cell();
         let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
         let mut chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
@@ -75,16 +70,10 @@ impl FarDistances {
         for done in (0..n).step_by(ROUND * CHUNK) {
             tell(done as f64 / n as f64)?;
             workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
-                let (mut point, mut probe) = (0, 0);
+                let mut hint = Hint::default();
                 for (i, (d, s)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share)) {
-                    let x = center(grid, i);
-                    *d = sides.distance(x, &mut point);
-                    if *d > near {
-                        let t = turns[if same { 0 } else { sides.probe(x, &mut probe) }];
-                        let side = t - 2.0 * sides.winding_number(x);
-                        *d = d.copysign(side);
-                        *s = (side * side).min(1.0) / n as f64;
-                    }
+                    (*d, *s) = sampler.at(center(grid, i), |_| near, &mut hint);
+                    *s /= n as f64;
                 }
             });
         }
@@ -106,21 +95,6 @@ fn center<const D: usize>(grid: &Grid<D>, mut c: usize) -> [f64; D] {
         c /= axis.n_cells;
     }
     x
-}
-
-/// t, of W `beside` the surface, and W_s of the `whole` surface on average. W_s of a closed shape is 1/2, of a cavity -1/2; of a cloud that
-/// stands for one it comes out from 0.3 to 0.55, and 1 or -1 is wanted. Above 1/2 it is where one part lies in another, and each part's
-/// inside shall stay infeasible.
-///
-/// Wrong normals shall do no more harm than they must. Where W hardly jumps, they contradict each other, or a part of a closed shape is
-/// thin: then t is that of the whole. And what turns the other way in a whole that is closed is taken for a patch of wrong normals.
-fn turn(beside: Beside, whole: Beside) -> f64 {
-    let closed = whole.mean.abs() > 0.25;
-    let of_whole = if closed { whole.mean.signum() } else { 1.0 };
-    let own = (4.0 * beside.mean).clamp(-1.0, 1.0);
-    let own = if closed { own.abs() * of_whole } else { own };
-    let trust = (4.0 * beside.jump - 1.0).clamp(0.0, 1.0);
-    of_whole + trust * (own - of_whole)
 }
 
 /// The term on one grid: sum of mass (phi - d)^2 over the centres of cells.

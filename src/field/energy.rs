@@ -89,14 +89,7 @@ impl<const D: usize> Energy<D> {
     pub fn right_hand_side(&mut self, workers: &Workers, sign: f64) -> Result<Vec<f64>> {
         let mut b = try_vec(self.grid.n_control(), 0.0, "the right-hand side")?;
         self.data.add_right_hand_side(&self.terms.view, workers, sign, &mut b);
-        // What one point adds where no other is near; normals that cancel out leave rounding of it.
-        let shortest = self.grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
-        let one = self.weights.normal / (self.data.n_points() as f64 * shortest);
-        if b.iter().all(|b| b.abs() <= 1e-12 * one) {
-            let text =
-                "the normals cancel out, so that the surface has no outer side; normals out of the solid are needed";
-            return Err(Error::Degenerate(text.into()));
-        }
+        check_normals(&b, self.weights.normal, &self.grid, self.data.n_points())?;
         if let Some(distance) = &mut self.terms.distance {
             distance.add_right_hand_side(workers, sign, &mut b);
         }
@@ -117,4 +110,21 @@ impl<const D: usize> Energy<D> {
     pub(super) fn multigrid(&mut self, workers: &Workers) -> Result<Multigrid<Level<'_, D>>> {
         multigrid(&self.data, &mut self.terms, workers)
     }
+}
+
+/// [`Error::Degenerate`] where `b`, what the normals of `n_points` points ask for on `grid`, is nothing.
+pub(super) fn check_normals<const D: usize>(
+    b: &[f64],
+    normal_weight: f64,
+    grid: &Grid<D>,
+    n_points: usize,
+) -> Result<()> {
+    // What one point adds where no other is near; normals that cancel out leave rounding of it.
+    let shortest = grid.axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
+    let one = normal_weight / (n_points as f64 * shortest);
+    if b.iter().all(|b| b.abs() <= 1e-12 * one) {
+        let text = "the normals cancel out, so that the surface has no outer side; normals out of the solid are needed";
+        return Err(Error::Degenerate(text.into()));
+    }
+    Ok(())
 }

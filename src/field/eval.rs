@@ -2,11 +2,12 @@
 //! [`Field::eval_parallel`], which does so once a call.
 
 use super::Field;
+use super::refined::Refined;
 use crate::geometry::vec::text;
 use crate::isa::{self, Isa, Kernel};
 use crate::par::{Workers, try_share};
 use crate::spline::basis::Weights;
-use crate::spline::kernel::Hessian;
+use crate::spline::kernel::{Hessian, Stencil};
 use crate::{Error, Result};
 
 /// Points checked, then evaluated, at a time.
@@ -95,7 +96,7 @@ impl<const D: usize> Field<D> {
 
     /// Whether evaluations wait for memory.
     fn is_large(&self) -> bool {
-        size_of_val(&self.coefficients[..]) >= LARGE
+        size_of_val(self.refined.as_ref().map_or(&self.coefficients[..], |r| r.tables())) >= LARGE
     }
 
     /// Whether each of `points` lies outside the box, where the field is continued: see [`beyond`](super::beyond).
@@ -130,6 +131,22 @@ impl<const D: usize> Kernel for Batch<'_, D> {
 
     #[inline(always)]
     fn run<I: Isa>(self) -> Result<()> {
+        match &self.field.refined {
+            None => {
+                let source = OneGrid(self.field);
+                self.run_on::<I, _>(source)
+            }
+            Some(refined) => {
+                let source = Leaves { refined, per_cell: self.field.cells.per_cell() };
+                self.run_on::<I, _>(source)
+            }
+        }
+    }
+}
+
+impl<'a, const D: usize> Batch<'a, D> {
+    #[inline(always)]
+    fn run_on<I: Isa, C: ControlPoints<'a, D>>(self, control_points: C) -> Result<()> {
         let Batch { field, first, points: all, outputs: mut rest } = self;
         for (b, points) in all.chunks(BLOCK).enumerate() {
             check_points(first + b * BLOCK, points)?;
@@ -138,50 +155,107 @@ impl<const D: usize> Kernel for Batch<'_, D> {
                 if field.is_large() {
                     // The first of a block are asked for with the last of the block before.
                     let behind = &all[(b * BLOCK + (g + 1) * GROUP).min(all.len())..];
-                    prefetch::<I, D>(field, &behind[..GROUP.min(behind.len())]);
+                    prefetch::<I, C, D>(field, control_points, &behind[..GROUP.min(behind.len())]);
                 }
                 let (outputs, behind) = rest.split(group_points.len());
                 rest = behind;
-                evaluate::<I, D>(field, group_points, outputs);
+                evaluate::<I, C, D>(field, control_points, group_points, outputs);
             }
         }
         Ok(())
     }
 }
 
+/// Where a point lies among control points.
+pub(super) struct Place<'a, const D: usize> {
+    pub stencil: Stencil<D>,
+    /// In the cell.
+    pub u: [f64; D],
+    pub control_points: &'a [f64],
+    /// 1 / h_a: what turns a derivative along a cell into one along x.
+    pub per_cell: [f64; D],
+}
+
+/// The control points of a field, and how they are found.
+trait ControlPoints<'a, const D: usize>: Copy {
+    /// The place of a point of the box given in cells of the grid.
+    fn place<I: Isa>(self, xi: &[f64; D]) -> Place<'a, D>;
+}
+
+/// Those of a grid.
+#[derive(Clone, Copy)]
+struct OneGrid<'a, const D: usize>(&'a Field<D>);
+
+impl<'a, const D: usize> ControlPoints<'a, D> for OneGrid<'a, D> {
+    #[inline(always)]
+    fn place<I: Isa>(self, xi: &[f64; D]) -> Place<'a, D> {
+        let (stencil, u) = self.0.cells.stencil::<I>(xi);
+        Place { stencil, u, control_points: &self.0.coefficients, per_cell: self.0.cells.per_cell() }
+    }
+}
+
+/// Those of the leaves of a tree.
+#[derive(Clone, Copy)]
+struct Leaves<'a, const D: usize> {
+    refined: &'a Refined<D>,
+    per_cell: [f64; D],
+}
+
+impl<'a, const D: usize> ControlPoints<'a, D> for Leaves<'a, D> {
+    #[inline(always)]
+    fn place<I: Isa>(self, xi: &[f64; D]) -> Place<'a, D> {
+        self.refined.place(xi, self.per_cell)
+    }
+}
+
 /// Asks for the control points that `points` take.
 #[inline(always)]
-fn prefetch<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]]) {
+fn prefetch<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
+    field: &Field<D>,
+    control_points: C,
+    points: &[[f64; D]],
+) {
     for p in points {
         let xi = field.cells.coordinates(p);
         // Not yet checked: of a NaN this is false too.
         if field.cells.contain(&xi) {
-            field.cells.stencil::<I>(&xi).0.prefetch(&field.coefficients);
+            let place = control_points.place::<I>(&xi);
+            place.stencil.prefetch(place.control_points);
         }
     }
 }
 
 #[inline(always)]
-fn evaluate<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]], outputs: Outputs<D>) {
+fn evaluate<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
+    field: &Field<D>,
+    control_points: C,
+    points: &[[f64; D]],
+    outputs: Outputs<D>,
+) {
     match outputs {
         Outputs { values, gradients, hessians: Some(hessians) } => {
-            block_with_hessian::<I, D>(field, points, values, gradients, hessians);
+            block_with_hessian::<I, C, D>(field, control_points, points, values, gradients, hessians);
         }
         Outputs { values, gradients: Some(gradients), hessians: None } => {
-            block_with_gradient::<I, D>(field, points, values, gradients);
+            block_with_gradient::<I, C, D>(field, control_points, points, values, gradients);
         }
-        Outputs { values: Some(values), .. } => block_of_values::<I, D>(field, points, values),
+        Outputs { values: Some(values), .. } => block_of_values::<I, C, D>(field, control_points, points, values),
         Outputs { values: None, .. } => {}
     }
 }
 
 #[inline(always)]
-fn block_of_values<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]], values: &mut [f64]) {
+fn block_of_values<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
+    field: &Field<D>,
+    control_points: C,
+    points: &[[f64; D]],
+    values: &mut [f64],
+) {
     for (p, value) in points.iter().zip(values) {
         let xi = field.cells.coordinates(p);
         *value = if field.cells.contain(&xi) {
-            let (stencil, u) = field.cells.stencil::<I>(&xi);
-            stencil.value::<I>(&field.coefficients, u)
+            let Place { stencil, u, control_points, .. } = control_points.place::<I>(&xi);
+            stencil.value::<I>(control_points, u)
         } else {
             field.continued(xi).0
         };
@@ -189,19 +263,19 @@ fn block_of_values<I: Isa, const D: usize>(field: &Field<D>, points: &[[f64; D]]
 }
 
 #[inline(always)]
-fn block_with_gradient<I: Isa, const D: usize>(
+fn block_with_gradient<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     field: &Field<D>,
+    control_points: C,
     points: &[[f64; D]],
     mut values: Option<&mut [f64]>,
     gradients: &mut [[f64; D]],
 ) {
-    let per_cell = field.cells.per_cell();
     for (i, (p, gradient)) in points.iter().zip(gradients).enumerate() {
         let xi = field.cells.coordinates(p);
         let value;
         (value, *gradient) = if field.cells.contain(&xi) {
-            let (stencil, u) = field.cells.stencil::<I>(&xi);
-            let (value, g) = stencil.value_gradient::<I>(&field.coefficients, &Weights::along::<I, D>(&u));
+            let Place { stencil, u, control_points, per_cell } = control_points.place::<I>(&xi);
+            let (value, g) = stencil.value_gradient::<I>(control_points, &Weights::along::<I, D>(&u));
             (value, std::array::from_fn(|a| g[a] * per_cell[a]))
         } else {
             let (value, gradient, _) = field.continued(xi);
@@ -214,14 +288,14 @@ fn block_with_gradient<I: Isa, const D: usize>(
 }
 
 #[inline(always)]
-fn block_with_hessian<I: Isa, const D: usize>(
+fn block_with_hessian<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     field: &Field<D>,
+    control_points: C,
     points: &[[f64; D]],
     mut values: Option<&mut [f64]>,
     mut gradients: Option<&mut [[f64; D]]>,
     hessians: &mut [f64],
 ) {
-    let per_cell = field.cells.per_cell();
     for (i, (p, packed)) in points.iter().zip(hessians.chunks_exact_mut(packed::<D>())).enumerate() {
         let xi = field.cells.coordinates(p);
         let (value, gradient);
@@ -230,8 +304,8 @@ fn block_with_hessian<I: Isa, const D: usize>(
             (value, gradient, hessian) = field.continued(xi);
             pack(&hessian, packed);
         } else {
-            let (stencil, u) = field.cells.stencil::<I>(&xi);
-            let (v, g, h) = stencil.value_gradient_hessian::<I>(&field.coefficients, u);
+            let Place { stencil, u, control_points, per_cell } = control_points.place::<I>(&xi);
+            let (v, g, h) = stencil.value_gradient_hessian::<I>(control_points, u);
             (value, gradient) = (v, std::array::from_fn(|a| g[a] * per_cell[a]));
             pack::<D>(&std::array::from_fn(|a| std::array::from_fn(|b| h[a][b] * (per_cell[a] * per_cell[b]))), packed);
         }

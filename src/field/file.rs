@@ -18,12 +18,24 @@
 //! 160  f64 control points, row-major, the last axis contiguous
 //! end  u32 CRC-32 (IEEE 802.3) of all before
 //! ```
+//!
+//! A refined field has version 2, counts and cells of the grid that was refined, and from 160 on
+//!
+//! ```text
+//! 160  u64 tiles that were cut, n
+//! 168  u32 their indices [n], in the order of the cuts: see [`Tree`]
+//! then f64 control points of the active functions, in the order of [`Space`]
+//! end  u32 CRC-32 of all before
+//! ```
 
+use super::refined::Refined;
 use super::{Feasible, Field, FitReport, domain, unusable};
 use crate::Result;
 use crate::dimension::OfDimension;
 use crate::error::{Error, Place, try_with_capacity};
 use crate::replace::replace;
+use crate::spline::hierarchical::Space;
+use crate::spline::tree::Tree;
 use crate::spline::{Axis, Grid};
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -31,6 +43,7 @@ use std::path::Path;
 
 const MAGIC: [u8; 8] = *b"\x89KOF\r\n\x1a\n";
 const VERSION: u32 = 1;
+const REFINED: u32 = 2;
 const HEADER: usize = 160;
 const CHECKSUM: usize = 4;
 
@@ -43,9 +56,9 @@ impl<const D: usize> Field<D> {
     /// [`load`], for a field whose dimension is known.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let (header, coefficients) = read(path)?;
+        let (header, content) = read(path)?;
         if header.dimension == D {
-            return header.field(path, coefficients);
+            return header.field(path, content);
         }
         let message = format!("the field has dimension {}; {D} is asked for", header.dimension);
         Err(Error::Format { path: path.to_owned(), place: Place::Byte(12), message })
@@ -58,7 +71,14 @@ impl<const D: usize> Field<D> {
             out.write_all(bytes)
         };
         put(&self.header())?;
-        for c in &self.coefficients {
+        if let Some(refined) = &self.refined {
+            let cuts = refined.tree().cuts();
+            put(&(cuts.len() as u64).to_le_bytes())?;
+            for cut in cuts {
+                put(&cut.to_le_bytes())?;
+            }
+        }
+        for c in self.refined.as_ref().map_or(&self.coefficients[..], |r| r.active()) {
             put(&c.to_le_bytes())?;
         }
         out.write_all(&crc.finalize().to_le_bytes())
@@ -74,7 +94,8 @@ impl<const D: usize> Field<D> {
         };
         let mut h = Vec::with_capacity(HEADER);
         h.extend(MAGIC);
-        h.extend([VERSION, D as u32].iter().flat_map(|x| x.to_le_bytes()));
+        let version = if self.is_refined() { REFINED } else { VERSION };
+        h.extend([version, D as u32].iter().flat_map(|x| x.to_le_bytes()));
         h.extend(r.control_points.iter().flat_map(|n| n.to_le_bytes()));
         h.extend(side.to_le_bytes());
         h.extend(along(|a| a.lower).iter().chain(&along(|a| a.cell)).flat_map(|x| x.to_le_bytes()));
@@ -91,15 +112,22 @@ impl<const D: usize> Field<D> {
 /// Reads a field that [`Field::save`] wrote, of the dimension that the file tells. It evaluates to the same bits.
 pub fn load(path: impl AsRef<Path>) -> Result<OfDimension<Field<2>, Field<3>>> {
     let path = path.as_ref();
-    let (header, coefficients) = read(path)?;
+    let (header, content) = read(path)?;
     Ok(match header.dimension {
-        2 => OfDimension::Plane(header.field(path, coefficients)?),
-        _ => OfDimension::Space(header.field(path, coefficients)?),
+        2 => OfDimension::Plane(header.field(path, content)?),
+        _ => OfDimension::Space(header.field(path, content)?),
     })
 }
 
-/// The header and the control points of the file at `path`.
-fn read(path: &Path) -> Result<(Header, Vec<f64>)> {
+/// What comes after a header.
+struct Content {
+    /// Of a refined field.
+    cuts: Option<Vec<u32>>,
+    control_points: Vec<f64>,
+}
+
+/// The header and the rest of the file at `path`.
+fn read(path: &Path) -> Result<(Header, Content)> {
     let io_error = |e: io::Error| Error::io(path, &e);
     let wrong = |place, message| Error::Format { path: path.to_owned(), place, message };
     let mut file = File::open(path).map_err(io_error)?;
@@ -108,38 +136,70 @@ fn read(path: &Path) -> Result<(Header, Vec<f64>)> {
     let fields = parse_header(&header).map_err(|(place, message)| wrong(place, message))?;
 
     // The header's counts are believed only as far as the file is long.
-    let n = fields.control_points[..fields.dimension].iter().map(|&n| u128::from(n)).product::<u128>();
-    let expected = HEADER as u128 + 8 * n + CHECKSUM as u128;
     let length = u128::from(file.metadata().map_err(io_error)?.len());
-    if length != expected {
+    let n_control = fields.control_points[..fields.dimension].iter().map(|&n| u128::from(n)).product::<u128>();
+    let too_short = |expected: u128| {
         let message =
             format!("the file has {length} bytes; its header announces {expected}: it is cut short or altered");
-        return Err(wrong(Place::Whole, message));
-    }
-    let mut rest = try_with_capacity(expected as usize - HEADER, "the control points of the file")?;
-    file.take(expected as u64).read_to_end(&mut rest).map_err(io_error)?;
-    let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|(c, _)| c.len() as u128 == 8 * n)
-    else {
-        return Err(wrong(Place::Whole, "the file changed while it was read".into()));
+        wrong(Place::Whole, message)
     };
+    let mut n_cuts = None;
     let mut crc = crc32fast::Hasher::new();
     crc.update(&header);
+    let expected = if fields.refined {
+        let mut count = [0; 8];
+        file.read_exact(&mut count).map_err(|_| too_short(HEADER as u128 + 8))?;
+        crc.update(&count);
+        let n = u64::from_le_bytes(count);
+        n_cuts = Some(n);
+        // Each cut leaves more functions than there were.
+        let least = HEADER as u128 + 8 + u128::from(n) * 12 + 8 * n_control + CHECKSUM as u128;
+        if length < least {
+            return Err(too_short(least));
+        }
+        length
+    } else {
+        HEADER as u128 + 8 * n_control + CHECKSUM as u128
+    };
+    if length != expected {
+        return Err(too_short(expected));
+    }
+    let left = expected - HEADER as u128 - if fields.refined { 8 } else { 0 };
+    let mut rest = try_with_capacity(left as usize, "the control points of the file")?;
+    file.take(expected as u64).read_to_end(&mut rest).map_err(io_error)?;
+    let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|_| rest.len() as u128 == left) else {
+        return Err(wrong(Place::Whole, "the file changed while it was read".into()));
+    };
     crc.update(numbers);
     let (found, stored) = (crc.finalize(), u32::from_le_bytes(*checksum));
     if found != stored {
         let message = format!("the checksum is {found:08x} where {stored:08x} is stored: the file is altered");
         return Err(wrong(Place::Whole, message));
     }
-    let mut coefficients = try_with_capacity(n as usize, "the control points")?;
-    coefficients.extend(numbers.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
-    if let Some((i, message)) = unusable(&coefficients) {
-        return Err(wrong(Place::Byte(HEADER + 8 * i), message));
+    let (cuts, numbers) = numbers.split_at(4 * n_cuts.unwrap_or(0) as usize);
+    let cuts = match n_cuts {
+        None => None,
+        Some(n) => {
+            let mut indices = try_with_capacity(n as usize, "the cut tiles")?;
+            indices.extend(cuts.as_chunks().0.iter().map(|c| u32::from_le_bytes(*c)));
+            Some(indices)
+        }
+    };
+    if !numbers.len().is_multiple_of(8) {
+        return Err(wrong(Place::Whole, "the control points are no whole number: the file is altered".into()));
     }
-    Ok((fields, coefficients))
+    let mut control_points = try_with_capacity(numbers.len() / 8, "the control points")?;
+    control_points.extend(numbers.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
+    if let Some((i, message)) = unusable(&control_points) {
+        let first = length as usize - CHECKSUM - numbers.len();
+        return Err(wrong(Place::Byte(first + 8 * i), message));
+    }
+    Ok((fields, Content { cuts, control_points }))
 }
 
 /// What a header says.
 struct Header {
+    refined: bool,
     dimension: usize,
     control_points: [u32; 3],
     lower: [f64; 3],
@@ -151,7 +211,7 @@ struct Header {
 
 impl Header {
     /// The field of the file at `path` with these control points, in the header's dimension.
-    fn field<const D: usize>(self, path: &Path, coefficients: Vec<f64>) -> Result<Field<D>> {
+    fn field<const D: usize>(mut self, path: &Path, content: Content) -> Result<Field<D>> {
         debug_assert_eq!(self.dimension, D);
         let axis =
             |a: usize| Axis { lower: self.lower[a], cell: self.cell[a], n_cells: self.control_points[a] as usize - 3 };
@@ -161,7 +221,27 @@ impl Header {
             place: Place::Byte(32),
             message: error.to_string(),
         })?;
-        Ok(Field::new(grid, coefficients, self.feasible, self.diagonal, self.report))
+        let Content { cuts, control_points } = content;
+        let Some(cuts) = cuts else {
+            return Ok(Field::new(grid, control_points, self.feasible, self.diagonal, self.report));
+        };
+        let wrong = |place, message| Error::Format { path: path.to_owned(), place, message };
+        let mut tree = Tree::new(grid)?;
+        for (i, cut) in cuts.iter().enumerate() {
+            if !tree.cut_index(*cut) {
+                let message = format!("cut {i} is of tile {cut}, which is none, or is cut already");
+                return Err(wrong(Place::Byte(HEADER + 8 + 4 * i), message));
+            }
+        }
+        let space = Space::new(&tree)?;
+        let (n, active) = (control_points.len(), space.n_active());
+        if n != active {
+            let message = format!("the file has {n} control points; its cells have {active}");
+            return Err(wrong(Place::Whole, message));
+        }
+        (self.report.n_unknowns, self.report.n_levels) = (active as u64, tree.n_levels());
+        let refined = Refined::new(tree, &space, control_points)?;
+        Ok(Field::of_refined(refined, self.feasible, self.diagonal, self.report))
     }
 }
 
@@ -197,10 +277,14 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
     if at.bytes() != MAGIC {
         return Err((Place::Byte(0), "this is no field: the file does not begin with its magic number".into()));
     }
-    match at.u32() {
-        VERSION => {}
-        v => return Err((Place::Byte(8), format!("the file has version {v}; this library reads version {VERSION}"))),
-    }
+    let refined = match at.u32() {
+        VERSION => false,
+        REFINED => true,
+        v => {
+            let message = format!("the file has version {v}; this library reads versions {VERSION} and {REFINED}");
+            return Err((Place::Byte(8), message));
+        }
+    };
     let dimension = match at.u32() {
         d @ (2 | 3) => d as usize,
         d => return Err((Place::Byte(12), format!("the field has dimension {d}; it must be 2 or 3"))),
@@ -234,6 +318,7 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         n_points,
         n_unknowns: control_points[..dimension].iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c))),
         n_outliers,
+        n_levels: 1,
         clear_sides: f64::NAN,
         iterations,
         residual: at.f64(),
@@ -245,5 +330,5 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         max: at.f64(),
         mean_gradient: at.f64(),
     };
-    Ok(Header { dimension, control_points, lower, cell, feasible, diagonal, report })
+    Ok(Header { refined, dimension, control_points, lower, cell, feasible, diagonal, report })
 }

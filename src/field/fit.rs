@@ -4,6 +4,7 @@ use super::data::{Data, Misfit};
 use super::distance::FarDistances;
 use super::energy::Energy;
 use super::levels;
+use super::refined::{self, Refined};
 use super::smoothness::Smoothness;
 use super::system::{Diagonal, FEW, PATIENCE};
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
@@ -14,6 +15,7 @@ use crate::geometry::{Bounds, Cloud};
 use crate::linalg::cg::{self, Stop};
 use crate::par::Workers;
 use crate::progress::Progress;
+use crate::spline::tree::Tree;
 use crate::spline::{Axis, Grid};
 use std::time::Instant;
 
@@ -47,14 +49,19 @@ impl<const D: usize> Field<D> {
     pub fn fit(cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
         let n_points = cloud.counted_points().count();
-        let target = chosen_control_points::<D>(n_points);
+        let refines = options.max_error > 0.0;
+        let target = if refines { refined::fit::coarsest::<D>() } else { chosen_control_points::<D>(n_points) };
         let asked_for = std::array::from_fn(|a| options.control_points[a]);
         let grid = domain::grid(&Bounds::of(cloud.counted_points()), options.margin, asked_for, target)?;
         check_size(n_points, &grid, options.memory_limit)?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
         let start = try_vec(grid.n_control(), 0.0, "the control points")?;
-        fit_on(grid, start, cloud, options, progress)
+        if refines {
+            fit_tree(Tree::new(grid)?, start, cloud, options, progress)
+        } else {
+            fit_on(grid, start, cloud, options, progress)
+        }
     }
 
     /// Fits a field to another `cloud` on this field's box, from its control points on: for a shape that moves a little from fit to fit,
@@ -79,9 +86,23 @@ impl<const D: usize> Field<D> {
                  diagonal is served: fit anew"
             )));
         }
-        let mut start = try_vec(self.coefficients.len(), 0.0, "the control points")?;
-        start.iter_mut().zip(&self.coefficients).for_each(|(s, c)| *s = c / d);
-        fit_on(self.grid, start, cloud, options, progress)
+        let control_points = self.refined.as_ref().map_or(&self.coefficients[..], |r| r.active());
+        let mut start = try_vec(control_points.len(), 0.0, "the control points")?;
+        start.iter_mut().zip(control_points).for_each(|(s, c)| *s = c / d);
+        match &self.refined {
+            Some(refined) => fit_tree(refined.tree().clone(), start, cloud, options, progress),
+            None => fit_on(self.grid, start, cloud, options, progress),
+        }
+    }
+
+    /// The field with the errors at the points of `cloud` in its report.
+    fn checked(mut self, cloud: &Cloud<D>, progress: &mut Progress) -> Result<Self> {
+        let clock = Instant::now();
+        progress.tell(0.98, "check")?;
+        self.measure(cloud)?;
+        self.report.seconds_check = clock.elapsed().as_secs_f64();
+        progress.tell(1.0, "done")?;
+        Ok(self)
     }
 
     /// Fills the report with the errors at the points of `cloud`.
@@ -117,14 +138,7 @@ fn fit_on<const D: usize>(
 ) -> Result<Field<D>> {
     let d = domain::diagonal(&cloud.bounds())?;
     let workers = Workers::new(options.n_threads)?;
-    let report = FitReport {
-        control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
-        n_points: cloud.len() as u64,
-        n_unknowns: grid.n_control() as u64,
-        clear_sides: f64::NAN,
-        ..FitReport::default()
-    };
-
+    let report = FitReport { n_unknowns: grid.n_control() as u64, n_levels: 1, ..begun(&grid, cloud) };
     progress.tell(0.0, "assembly")?;
     let data = Data::new(cloud, &grid)?;
     let energy = Energy::new(data, in_units_of(&grid, d), options.weights())?;
@@ -135,13 +149,36 @@ fn fit_on<const D: usize>(
     };
     coefficients.iter_mut().for_each(|c| *c *= d);
 
-    progress.tell(0.98, "check")?;
-    let Fitting { report, clock, .. } = fitting;
-    let mut field = Field::new(grid, coefficients, options.feasible, d, report);
-    field.measure(cloud)?;
-    field.report.seconds_check = clock.elapsed().as_secs_f64();
-    progress.tell(1.0, "done")?;
-    Ok(field)
+    Field::new(grid, coefficients, options.feasible, d, fitting.report).checked(cloud, progress)
+}
+
+/// The fit on `tree`, of which the grid is in the caller's units, from `active` control points on, in units of D; refined where it must be.
+fn fit_tree<const D: usize>(
+    tree: Tree<D>,
+    active: Vec<f64>,
+    cloud: &Cloud<D>,
+    options: &FitOptions,
+    progress: &mut Progress,
+) -> Result<Field<D>> {
+    let (grid, d) = (*tree.grid(), domain::diagonal(&cloud.bounds())?);
+    let workers = Workers::new(options.n_threads)?;
+    let mut report = begun(&grid, cloud);
+    let data = Data::new(cloud, &grid)?;
+    let start = (tree.on(in_units_of(&grid, d)), active);
+    let (tree, space, mut active) = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
+    active.iter_mut().for_each(|c| *c *= d);
+    let refined = Refined::new(tree.on(grid), &space, active)?;
+    Field::of_refined(refined, options.feasible, d, report).checked(cloud, progress)
+}
+
+/// The report of a fit that begins.
+fn begun<const D: usize>(grid: &Grid<D>, cloud: &Cloud<D>) -> FitReport {
+    FitReport {
+        control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
+        n_points: cloud.len() as u64,
+        clear_sides: f64::NAN,
+        ..FitReport::default()
+    }
 }
 
 /// A fit on its way.
@@ -242,13 +279,13 @@ impl<const D: usize> Fitting<'_, D> {
         let mut stop = Stop { tolerance, max_iterations: self.iterations_left(), patience };
         let mut diagonal = Diagonal::new(&mut self.energy, self.workers)?;
         let (mut x, mut done) = cg::solve(&mut diagonal, &b, x, stop, self.workers, &mut observe)
-            .map_err(|error| counting_earlier_rounds(error, self.report.iterations))?;
+            .map_err(|error| error.counting_earlier_iterations(self.report.iterations))?;
         self.report.iterations += done.iterations as u32;
         if done.residual > tolerance {
             (stop.max_iterations, stop.patience) = (self.iterations_left(), None);
             let mut multigrid = self.energy.multigrid(self.workers)?;
             (x, done) = cg::solve(&mut multigrid, &b, x, stop, self.workers, &mut observe)
-                .map_err(|error| counting_earlier_rounds(error, self.report.iterations))?;
+                .map_err(|error| error.counting_earlier_iterations(self.report.iterations))?;
             self.report.iterations += done.iterations as u32;
         }
         (self.report.residual, self.report.convergence_rate) = (done.residual, done.rate);
@@ -270,16 +307,6 @@ impl<const D: usize> Fitting<'_, D> {
 
     fn lap(&mut self) -> f64 {
         std::mem::replace(&mut self.clock, Instant::now()).elapsed().as_secs_f64()
-    }
-}
-
-/// `error` of a round's solve with the `earlier` rounds' iterations counted, as the limit counts them.
-fn counting_earlier_rounds(error: Error, earlier: u32) -> Error {
-    match error {
-        Error::NotConverged { iterations, residual, tolerance } => {
-            Error::NotConverged { iterations: iterations + earlier as usize, residual, tolerance }
-        }
-        other => other,
     }
 }
 

@@ -13,6 +13,7 @@
 //! | (9), distances, in cells away from the surface | [`distance`] |
 //! | (10), the energy | [`energy`] |
 //! | (11), its minimum, Algorithm 1, step 4 | [`fit`]; its solution: `system`, on ever coarser grids: `levels` |
+//! | its section 5, refinement where needed | `refined` |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
 //! | the zero contour of its figures, and any other | [`level_set`]; values on slices and boxes: [`lattice`] |
 //!
@@ -40,6 +41,7 @@
 pub mod beyond;
 pub mod data;
 pub mod distance;
+mod distance_sampler;
 pub mod domain;
 pub mod energy;
 pub mod eval;
@@ -50,6 +52,7 @@ pub mod lattice;
 pub mod level_set;
 mod levels;
 mod options;
+mod refined;
 mod report;
 pub mod reweight;
 pub mod robust;
@@ -66,6 +69,7 @@ pub use function::Function;
 pub use lattice::Lattice;
 pub use level_set::{LevelSet, LevelSetOptions};
 pub use options::{Feasible, FitOptions, Reweighting};
+use refined::Refined;
 pub use report::FitReport;
 
 /// A fitted level-set function.
@@ -75,8 +79,9 @@ pub struct Field<const D: usize = 3> {
     grid: Grid<D>,
     /// The same, as evaluations take it.
     cells: Cells<D>,
-    /// Row-major, the last axis contiguous, in the caller's unit of length.
+    /// Row-major, the last axis contiguous, in the caller's unit of length; none where the field is refined.
     coefficients: Vec<f64>,
+    refined: Option<Box<Refined<D>>>,
     feasible: Feasible,
     beyond: Beyond,
     /// D of the cloud.
@@ -86,9 +91,24 @@ pub struct Field<const D: usize = 3> {
 
 impl<const D: usize> Field<D> {
     fn new(grid: Grid<D>, coefficients: Vec<f64>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
+        Field::with(grid, coefficients, None, feasible, diagonal, report)
+    }
+
+    fn of_refined(refined: Refined<D>, feasible: Feasible, diagonal: f64, report: FitReport) -> Self {
+        Field::with(*refined.tree().grid(), Vec::new(), Some(Box::new(refined)), feasible, diagonal, report)
+    }
+
+    fn with(
+        grid: Grid<D>,
+        coefficients: Vec<f64>,
+        refined: Option<Box<Refined<D>>>,
+        feasible: Feasible,
+        diagonal: f64,
+        report: FitReport,
+    ) -> Self {
         let cells = Cells::of(&grid);
         let beyond = Beyond::default();
-        let mut field = Field { grid, cells, coefficients, feasible, beyond, diagonal, report };
+        let mut field = Field { grid, cells, coefficients, refined, feasible, beyond, diagonal, report };
         field.beyond = field.look_at_faces();
         field
     }
@@ -114,6 +134,7 @@ impl<const D: usize> Field<D> {
         let report = FitReport {
             control_points: std::array::from_fn(|a| grid.shape().get(a).map_or(0, |&n| n as u32)),
             n_unknowns: given as u64,
+            n_levels: 1,
             clear_sides: f64::NAN,
             convergence_rate: f64::NAN,
             ..FitReport::default()
@@ -121,14 +142,19 @@ impl<const D: usize> Field<D> {
         Ok(Field::new(grid, control_points, feasible, diagonal, report))
     }
 
-    /// The box, its cells and control points.
+    /// The box, its cells and control points; of a refined field the longest cells.
     pub fn grid(&self) -> &Grid<D> {
         &self.grid
     }
 
-    /// Control points, row-major, the last axis contiguous.
+    /// Control points, row-major, the last axis contiguous; none where the field is refined.
     pub fn coefficients(&self) -> &[f64] {
         &self.coefficients
+    }
+
+    /// Whether cells were refined, so that there is no one tensor of control points.
+    pub fn is_refined(&self) -> bool {
+        self.refined.is_some()
     }
 
     /// Side where phi > 0.
@@ -153,7 +179,8 @@ impl<const D: usize> Field<D> {
 
     /// Bytes that the field holds.
     pub fn bytes(&self) -> usize {
-        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>()
+        let refined = self.refined.as_ref().map_or(0, |r| r.bytes());
+        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>() + refined
     }
 }
 
@@ -175,3 +202,5 @@ mod tests;
 mod tests_multigrid;
 #[cfg(test)]
 mod tests_plane;
+#[cfg(test)]
+mod tests_refined;

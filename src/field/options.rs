@@ -54,6 +54,10 @@ pub struct FitOptions {
     pub reweighting: Reweighting,
     /// Rounds in which points are weighted anew. 0 is the paper's fit; a robust one weighs them once all the same.
     pub reweightings: u32,
+    /// Largest error on the surface, in D, until which cells are refined where it is larger: see [`refined`](super::refined). 0: one grid.
+    pub max_error: f64,
+    /// Control points that refinement may take.
+    pub max_unknowns: u64,
     /// Side where phi > 0.
     pub feasible: Feasible,
     /// Relative residual of the solve to reach.
@@ -77,6 +81,8 @@ impl Default for FitOptions {
             distance_weight: 150.0,
             reweighting: Reweighting::Largest,
             reweightings: 3,
+            max_error: 0.0,
+            max_unknowns: 2_000_000,
             feasible: Feasible::Outside,
             tolerance: 1e-4,
             max_iterations: 20_000,
@@ -117,6 +123,13 @@ impl FitOptions {
         }
         if self.reweightings > MOST_REWEIGHTINGS {
             return wrong(format!("reweightings is {}; it must be at most {MOST_REWEIGHTINGS}", self.reweightings));
+        }
+        if self.max_error != 0.0 && !(1e-9..=1.0).contains(&self.max_error) {
+            let e = self.max_error;
+            return wrong(format!("max_error is {e}; it must be 0, for one grid, or lie in [1e-9, 1], in units of D"));
+        }
+        if self.max_unknowns == 0 {
+            return wrong("max_unknowns is 0; at least 1 is needed".into());
         }
         if self.max_iterations == 0 {
             return wrong("max_iterations is 0; at least 1 is needed".into());

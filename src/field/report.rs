@@ -3,12 +3,14 @@
 /// Figures of a fit; lengths are fractions of D.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FitReport {
-    /// Control points along x, y, z; 0 along z in the plane.
+    /// Control points along x, y, z, of a refined field those of its longest cells; 0 along z in the plane.
     pub control_points: [u32; 3],
     /// Points of the cloud.
     pub n_points: u64,
     /// Unknowns of the solve: control points in all.
     pub n_unknowns: u64,
+    /// Levels of cells, each half as long as those of the one before: 1 for a field that is not refined.
+    pub n_levels: u32,
     /// Points that a robust fit left out at last.
     pub n_outliers: u64,
     /// Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for

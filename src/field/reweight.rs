@@ -36,7 +36,7 @@ mod tests {
     use super::*;
 
     fn factors_of(distances: &[f64]) -> Vec<f64> {
-        let misfits: Vec<Misfit> = distances.iter().map(|&distance| Misfit { distance, normal: 0.0 }).collect();
+        let misfits: Vec<Misfit> = distances.iter().map(|&distance| Misfit { distance, ..Misfit::default() }).collect();
         factors(&misfits).collect()
     }
 

@@ -54,9 +54,9 @@ mod tests {
 
     #[test]
     fn outliers_count_for_nothing_and_bad_normals_leave_the_value() {
-        let mut misfits = vec![Misfit { distance: 0.01, normal: 0.1 }; 99];
-        misfits.push(Misfit { distance: 0.2, normal: 0.1 });
-        misfits.push(Misfit { distance: 0.01, normal: 2.0 });
+        let mut misfits = vec![Misfit { value: 0.0, distance: 0.01, normal: 0.1 }; 99];
+        misfits.push(Misfit { value: 0.0, distance: 0.2, normal: 0.1 });
+        misfits.push(Misfit { value: 0.0, distance: 0.01, normal: 2.0 });
         let masses: Vec<Mass> = masses(&misfits, 0.02).unwrap().collect();
         assert!(masses[..99].iter().all(|m| m.value > 0.9 && m.gradient > 0.8 * m.value));
         assert_eq!(masses[99], Mass { value: 0.0, gradient: 0.0 });
@@ -66,8 +66,8 @@ mod tests {
     #[test]
     fn misfits_below_what_a_cell_resolves_leave_every_point_in() {
         let misfits: Vec<Misfit> = (0..100)
-            .map(|i| Misfit { distance: 1e-5 * f64::from(i % 7), normal: 0.0 })
-            .chain([Misfit { distance: 1e-3, normal: 0.0 }])
+            .map(|i| Misfit { value: 0.0, distance: 1e-5 * f64::from(i % 7), normal: 0.0 })
+            .chain([Misfit { value: 0.0, distance: 1e-3, normal: 0.0 }])
             .collect();
         assert!(masses(&misfits, 0.02).unwrap().all(|m| m.value > 0.9));
     }

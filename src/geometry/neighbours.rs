@@ -88,6 +88,11 @@ impl<const D: usize> Neighbours<D> {
 }
 
 impl<const D: usize> Neighbours<D> {
+    /// The point at `place` in the order.
+    pub fn at(&self, place: usize) -> [f64; D] {
+        self.points[place]
+    }
+
     /// The point nearest to `p`, the first of those as near; `hint` is its place in the order, or that of any point: one that is near makes
     /// the search short. Becomes the place that was found.
     pub fn nearest_from(&self, p: [f64; D], hint: &mut usize) -> Neighbour {

@@ -139,9 +139,10 @@ impl<const D: usize> NearSides<D> {
         Ok(NearSides { points, surfels: tree, probes, beside })
     }
 
-    /// Distance from `x` to the nearest point; `hint` as [`Neighbours::nearest_from`] takes it.
-    pub fn distance(&self, x: [f64; D], hint: &mut usize) -> f64 {
-        self.points.nearest_from(x, hint).distance_squared.sqrt()
+    /// The point nearest to `x`, and its distance; `hint` as [`Neighbours::nearest_from`] takes it.
+    pub fn nearest(&self, x: [f64; D], hint: &mut usize) -> ([f64; D], f64) {
+        let distance = self.points.nearest_from(x, hint).distance_squared.sqrt();
+        (self.points.at(*hint), distance)
     }
 
     /// W, to about 0.1.

@@ -102,14 +102,33 @@ impl<const D: usize> Field<D> {
     /// others a shape about that far from it. Normals point out of the solid, to where phi grows when the feasible side is outside, to
     /// where it falls when inside.
     ///
+    /// Of a refined field the cells that `options` cuts are those of its deepest level with which the lattice has no more than 2^26 vertices.
+    ///
     /// The same bits on any number of threads. Cost: an evaluation at each lattice vertex, about 5 with gradient at each crossing.
     /// [`Error::Degenerate`] where phi does not take the level on the lattice, naming the range that it takes; [`Error::OutOfMemory`]
     /// beforehand, where the lattice or the surface would take more than the limit.
     pub fn level_set(&self, level: f64, options: &LevelSetOptions, progress: &mut Progress) -> Result<LevelSet<D>> {
         let outward = self.feasible.sign();
-        extract(&Question { phi: self, axes: self.grid.axes, level, outward }, options, progress)
+        extract(
+            &Question { phi: self, axes: self.surface_axes(options.subdivisions), level, outward },
+            options,
+            progress,
+        )
+    }
+
+    /// The cells on which a surface is looked for: of a refined field those of the deepest level with which the lattice is not too large.
+    fn surface_axes(&self, subdivisions: u32) -> [Axis; D] {
+        let Some(refined) = &self.refined else { return self.grid.axes };
+        let vertices =
+            |axes: &[Axis; D]| axes.iter().map(|a| a.n_cells as u128 * u128::from(subdivisions) + 1).product::<u128>();
+        let tree = refined.tree();
+        let of_levels = (1..tree.n_levels()).rev().map(|level| tree.grid_of(level).axes);
+        of_levels.into_iter().find(|axes| vertices(axes) <= LARGEST_LATTICE).unwrap_or(self.grid.axes)
     }
 }
+
+/// Vertices of the lattice on which the surface of a refined field is looked for, at most, where its longest cells allow that.
+const LARGEST_LATTICE: u128 = 1 << 26;
 
 /// A surface in the making.
 #[derive(Debug, Clone)]

@@ -1,0 +1,421 @@
+//! The energy (10) on hierarchical splines: a sum over the leaves of the tree, in each of which phi is a spline of one level.
+
+use super::super::data::{Data, Mass, Misfit};
+use super::super::distance::CLEAR;
+use super::super::distance_sampler::{DistanceSampler, Hint};
+use super::super::energy::{self, EnergyWeights};
+use super::leaf_terms::{Diagonal, LeafTerm, Misfits, Product, RightHandSide, Strays, Tables};
+use crate::Result;
+use crate::error::{try_vec, try_with_capacity};
+use crate::geometry::Cloud;
+use crate::isa::dispatch;
+use crate::linalg::cg;
+use crate::par::Workers;
+use crate::spline::hierarchical::{Space, per_pack, per_table, strides};
+use crate::spline::kernel::Stencil;
+use crate::spline::tile_gram::TileGram;
+use crate::spline::tree::{SIDE, Tile, Tree};
+use std::ops::Range;
+
+/// Tiles of an item of work.
+const CHUNK: usize = 16;
+
+/// How distances are held away from the surface.
+#[derive(Debug, Clone, Copy)]
+pub struct Holding {
+    /// In units of lambda_r / h^4; 0: not at all.
+    pub weight: f64,
+    /// Distance from which on they are, in cells of the leaf that the nearest point is in.
+    pub nearest: f64,
+    /// The same in the spacing of that leaf's points: what is nearer is farther from them than from the surface. The larger one counts.
+    pub spacings: f64,
+}
+
+/// What lambda_n falls by from level to level, as h^2: the gradient's part of a function's energy beside that of its values stays the same.
+const NORMAL_FALL: f64 = 0.25;
+
+/// What lambda_r falls by from level to level, as h^3: smoothness beside the values' energy likewise, at points as dense.
+const SMOOTH_FALL: f64 = 0.125;
+
+/// The terms in the cells of one level.
+pub(super) struct LevelTerms<const D: usize> {
+    pub(super) gram: TileGram<D>,
+    /// 1 / h_a
+    pub(super) per_cell: [f64; D],
+    pub(super) normal_weight: f64,
+    /// What s of a cell is multiplied with.
+    pub(super) distance_weight: f64,
+    longest_cell: f64,
+}
+
+/// The form on the splines of one tree.
+pub struct RefinedEnergy<const D: usize> {
+    /// Its grid in units of D.
+    pub(super) tree: Tree<D>,
+    pub(super) space: Space<D>,
+    pub(super) levels: Vec<LevelTerms<D>>,
+    weights: EnergyWeights,
+    pub(super) data: Data<D>,
+    /// Points of each tile.
+    pub(super) points: Vec<Range<usize>>,
+    pub(super) far: Option<Far<D>>,
+    /// What each tile adds to a product.
+    tables: Vec<f64>,
+    /// A vector of control points.
+    pub(super) scratch: Vec<f64>,
+    diagonal: Vec<f64>,
+}
+
+/// Distances to hold.
+pub(super) struct Far<const D: usize> {
+    sampler: DistanceSampler<D>,
+    holding: Holding,
+    /// d in the middle of each cell, and lambda_d times its share of the cells; of a tile that is cut only the shares, as its parts have them
+    /// [tiles][4^D].
+    pub(super) distance: Vec<f64>,
+    pub(super) mass: Vec<f64>,
+    /// Cells of leaves that are far, and those of them whose side is clear.
+    counts: [u64; 2],
+}
+
+impl<const D: usize> RefinedEnergy<D> {
+    /// The form on the cells of `tree`, its grid in units of D, with its functions `space`, for `data` in its cells. Distances to the points
+    /// are held as `holding` says.
+    pub fn new(
+        (tree, space): (Tree<D>, Space<D>),
+        data: Data<D>,
+        weights: EnergyWeights,
+        holding: Holding,
+        workers: &Workers,
+    ) -> Result<Self> {
+        let far = if holding.weight > 0.0 {
+            let axes = tree.grid().axes;
+            let mut points = try_with_capacity(data.xi.len(), "the points in units of D")?;
+            points.extend(data.xi.iter().map(|xi| std::array::from_fn(|a| xi[a] * axes[a].cell)));
+            let mut normals = try_with_capacity(data.xi.len(), "the normals")?;
+            normals.extend_from_slice(&data.normals);
+            let sampler = DistanceSampler::new(Cloud::new(points, normals)?, workers)?;
+            Some(Far { sampler, holding, distance: Vec::new(), mass: Vec::new(), counts: [0; 2] })
+        } else {
+            None
+        };
+        let mut energy = RefinedEnergy {
+            tree,
+            space,
+            levels: Vec::new(),
+            weights,
+            data,
+            points: Vec::new(),
+            far,
+            tables: Vec::new(),
+            scratch: Vec::new(),
+            diagonal: Vec::new(),
+        };
+        energy.renew(workers)?;
+        Ok(energy)
+    }
+
+    /// The tree.
+    pub fn tree(&self) -> &Tree<D> {
+        &self.tree
+    }
+
+    /// The splines.
+    pub fn space(&self) -> &Space<D> {
+        &self.space
+    }
+
+    /// The points.
+    pub fn data(&self) -> &Data<D> {
+        &self.data
+    }
+
+    /// Points of tile `tile`.
+    pub fn points_of(&self, tile: usize) -> Range<usize> {
+        self.points[tile].clone()
+    }
+
+    /// The part of the far cells on whose side there is little doubt; NaN where no distances are held.
+    pub fn clear(&self) -> f64 {
+        match &self.far {
+            None => f64::NAN,
+            Some(Far { counts: [0, _], .. }) => 1.0,
+            Some(Far { counts: [far, clear], .. }) => *clear as f64 / *far as f64,
+        }
+    }
+
+    /// The tree and its functions.
+    pub fn into_tree(self) -> (Tree<D>, Space<D>) {
+        (self.tree, self.space)
+    }
+
+    /// Bytes that a tile takes: itself, its table and that of the field, distances and masses, its points.
+    pub fn bytes_of_tile() -> u64 {
+        (size_of::<Tile<D>>() + 8 * (2 * per_table::<D>() + 2 * per_pack::<D>()) + size_of::<Range<usize>>()) as u64
+    }
+
+    /// Goes over to `tree`, of the same tiles with more of them cut, and the functions `space` of it; x of the same spline there.
+    pub fn refine(&mut self, tree: Tree<D>, space: Space<D>, x: &[f64], workers: &Workers) -> Result<Vec<f64>> {
+        let x = space.take_over(&self.space, x, workers)?;
+        (self.tree, self.space) = (tree, space);
+        self.renew(workers)?;
+        Ok(x)
+    }
+
+    /// What depends on the tree.
+    fn renew(&mut self, workers: &Workers) -> Result<()> {
+        let grid = *self.tree.grid();
+        let volume: f64 = grid.axes.iter().map(|a| a.cell * a.n_cells as f64).product();
+        let n_cells: f64 = grid.axes.iter().map(|a| a.n_cells as f64).product();
+        for l in self.levels.len() as i32..self.tree.n_levels() as i32 {
+            let cell = grid.axes.map(|a| a.cell * 0.5f64.powi(l));
+            let smooth = self.weights.smooth * SMOOTH_FALL.powi(l);
+            let longest_cell = cell.iter().fold(0.0, |m: f64, c| m.max(*c));
+            let relative = self.far.as_ref().map_or(0.0, |far| far.holding.weight);
+            self.levels.push(LevelTerms {
+                gram: TileGram::new(cell, smooth / volume)?,
+                per_cell: cell.map(|c| 1.0 / c),
+                normal_weight: self.weights.normal * NORMAL_FALL.powi(l),
+                distance_weight: relative * smooth / longest_cell.powi(4) / (n_cells * f64::from(1 << D).powi(l)),
+                longest_cell,
+            });
+        }
+        self.sort_points()?;
+        self.measure_distances(workers)?;
+        self.tables = try_vec(self.tree.tiles().len() * per_table::<D>(), 0.0, "the tables of the tiles")?;
+        self.scratch = try_vec(self.space.n_numbers(), 0.0, "the control points")?;
+        self.diagonal = try_vec(self.space.n_numbers(), 0.0, "the diagonal")?;
+        Ok(())
+    }
+
+    /// Brings the points into the order of the leaves, by depth, so that those of every tile stand together.
+    fn sort_points(&mut self) -> Result<()> {
+        let n = self.data.xi.len();
+        let tiles = self.tree.tiles();
+        let mut points = try_vec(tiles.len(), 0..0, "the points of the tiles")?;
+        let mut leaf_of = try_vec(n, 0u32, "the order of the points")?;
+        for (leaf, xi) in leaf_of.iter_mut().zip(&self.data.xi) {
+            let leaf_index = self.tree.locate(xi).0;
+            *leaf = leaf_index as u32;
+            points[leaf_index].end += 1;
+        }
+        let mut at = 0;
+        for root in 0..tiles.iter().take_while(|t| t.level == 0).count() {
+            self.tree.walk(root, &mut |tile, entering| {
+                if entering {
+                    points[tile] = at..at + points[tile].end;
+                    at = points[tile].end;
+                } else {
+                    points[tile].end = at;
+                }
+            });
+        }
+        let mut next: Vec<usize> = points.iter().map(|p| p.start).collect();
+        let mut order = try_vec(n, 0u32, "the order of the points")?;
+        for (i, leaf) in leaf_of.iter().enumerate() {
+            order[next[*leaf as usize]] = i as u32;
+            next[*leaf as usize] += 1;
+        }
+        let Data { xi, normals, share, mass } = &mut self.data;
+        permute(xi, &order);
+        permute(normals, &order);
+        permute(share, &order);
+        permute(mass, &order);
+        self.points = points;
+        Ok(())
+    }
+
+    /// Distances of the cells of new tiles, and of those that no longer are near: within a cell of the surface as its own leaves have it.
+    fn measure_distances(&mut self, workers: &Workers) -> Result<()> {
+        let Some(far) = &mut self.far else { return Ok(()) };
+        let n = per_pack::<D>();
+        let (tree, levels, points, holding) = (&self.tree, &self.levels, &self.points, far.holding);
+        far.distance.resize(tree.tiles().len() * n, 0.0);
+        far.mass.resize(tree.tiles().len() * n, 0.0);
+        let axes = tree.grid().axes;
+        let near = |p: [f64; D]| {
+            let (leaf, _) = tree.locate(&std::array::from_fn(|a| p[a] / axes[a].cell));
+            let cell = levels[tree.tiles()[leaf].level as usize].longest_cell;
+            let spacing = SIDE as f64 / (points[leaf].len() as f64).powf(1.0 / (D - 1) as f64);
+            cell * holding.nearest.max(holding.spacings * spacing)
+        };
+        let sampler = &far.sampler;
+        let of_tiles = far.distance.chunks_mut(n).zip(far.mass.chunks_mut(n));
+        workers.for_each(tree.tiles().iter().zip(of_tiles), |(tile, (distance, mass))| {
+            if !tile.is_leaf() {
+                return;
+            }
+            let (level, cells) = (&levels[tile.level as usize], tree.cells(tile));
+            let mut hint = Hint::default();
+            for (c, (d, m)) in distance.iter_mut().zip(mass).enumerate() {
+                let at: [usize; D] = std::array::from_fn(|a| c / SIDE.pow((D - 1 - a) as u32) % SIDE);
+                if *m > 0.0 || (0..D).any(|a| at[a] >= cells[a]) {
+                    continue;
+                }
+                let x =
+                    std::array::from_fn(|a| ((SIDE * tile.place[a] as usize + at[a]) as f64 + 0.5) / level.per_cell[a]);
+                let s;
+                (*d, s) = sampler.at(x, near, &mut hint);
+                *m = level.distance_weight * s;
+            }
+        });
+        // Parts come after what they are parts of.
+        for i in (0..tree.tiles().len()).rev() {
+            let tile = tree.tiles()[i];
+            if tile.is_leaf() {
+                continue;
+            }
+            far.mass[i * n..(i + 1) * n].fill(0.0);
+            for part in 0..1_usize << D {
+                for c in 0..n {
+                    let to = (0..D).fold(0, |to, a| {
+                        let at = c / SIDE.pow((D - 1 - a) as u32) % SIDE + SIDE * (part >> (D - 1 - a) & 1);
+                        SIDE * to + at / 2
+                    });
+                    far.mass[i * n + to] += far.mass[(tile.child as usize + part) * n + c];
+                }
+            }
+        }
+        far.counts = [0; 2];
+        for (tile, mass) in tree.tiles().iter().zip(far.mass.chunks(n)).filter(|(t, _)| t.is_leaf()) {
+            let whole = levels[tile.level as usize].distance_weight;
+            let of = |least: f64| mass.iter().filter(|m| **m > least * whole).count() as u64;
+            far.counts = [far.counts[0] + of(0.0), far.counts[1] + of(CLEAR)];
+        }
+        Ok(())
+    }
+
+    /// b, for gradients `sign` n at the points and distances `sign` d away from them.
+    pub fn right_hand_side(&mut self, workers: &Workers, sign: f64) -> Result<Vec<f64>> {
+        let mut b = try_vec(self.space.n_numbers(), 0.0, "the right-hand side")?;
+        self.by_leaf(workers, &mut b, RightHandSide { sign, held: true });
+        Ok(b)
+    }
+
+    /// [`Error::Degenerate`] where the normals ask for nothing.
+    pub fn check_normals(&mut self, workers: &Workers) -> Result<()> {
+        let mut b = try_vec(self.space.n_numbers(), 0.0, "the right-hand side")?;
+        self.by_leaf(workers, &mut b, RightHandSide { sign: 1.0, held: false });
+        energy::check_normals(&b, self.weights.normal, self.tree.grid(), self.data.xi.len())
+    }
+
+    /// The preconditioner: the diagonal of the form, as the cells of a function's own level have it.
+    pub fn renew_diagonal(&mut self, workers: &Workers) {
+        let mut tables = std::mem::take(&mut self.tables);
+        self.fill_tables(workers, &mut tables, |_| true, Diagonal);
+        self.space.sum_tables(workers, &tables, |_| true, &mut self.diagonal);
+        self.space.keep_active(&mut self.diagonal);
+        self.tables = tables;
+    }
+
+    /// Sums what `term` gives for each leaf.
+    fn by_leaf(&mut self, workers: &Workers, y: &mut [f64], term: impl LeafTerm<D>) {
+        let mut tables = std::mem::take(&mut self.tables);
+        self.fill_tables(workers, &mut tables, Tile::is_leaf, term);
+        let tiles = self.tree.tiles();
+        self.space.sum_tables(workers, &tables, |t| tiles[t].is_leaf(), y);
+        self.tables = tables;
+        self.space.restrict(workers, y, &mut self.scratch);
+    }
+
+    fn fill_tables(
+        &self,
+        workers: &Workers,
+        tables: &mut [f64],
+        counts: impl Fn(&Tile<D>) -> bool + Copy + Send + Sync,
+        term: impl LeafTerm<D>,
+    ) {
+        workers.for_each(tables.chunks_mut(CHUNK * per_table::<D>()).enumerate(), |(chunk, tables)| {
+            dispatch(Tables { energy: self, first: chunk * CHUNK, tables, counts, term });
+        });
+    }
+
+    /// How far each point is from what the data ask for; `x` are control points. See [`DataTerm`](super::super::data::DataTerm::misfits).
+    pub fn misfits(&mut self, workers: &Workers, x: &[f64], sign: f64, flattest: f64, misfits: &mut [Misfit]) {
+        self.scratch.copy_from_slice(x);
+        self.space.accumulate(workers, &mut self.scratch);
+        // By leaf: the points of one after those of another.
+        let mut rest = misfits;
+        let mut items = Vec::new();
+        for root in 0..self.tree.tiles().iter().take_while(|t| t.level == 0).count() {
+            self.tree.walk(root, &mut |tile, entering| {
+                if entering && self.tree.tiles()[tile].is_leaf() && !self.points[tile].is_empty() {
+                    let (own, behind) = std::mem::take(&mut rest).split_at_mut(self.points[tile].len());
+                    rest = behind;
+                    items.push((tile, own));
+                }
+            });
+        }
+        workers.for_each(items, |(tile, misfits)| {
+            dispatch(Misfits { energy: self, tile, sign, flattest, misfits });
+        });
+    }
+
+    /// For each tile whether phi is far from the distance that is held in one of its cells, by more than `most` of it; `x` are control
+    /// points.
+    pub fn strays(&mut self, workers: &Workers, x: &[f64], sign: f64, most: f64) -> Result<Vec<bool>> {
+        let mut strays = try_vec(self.tree.tiles().len(), false, "the tiles to refine")?;
+        if self.far.is_none() {
+            return Ok(strays);
+        }
+        self.scratch.copy_from_slice(x);
+        self.space.accumulate(workers, &mut self.scratch);
+        workers.for_each(strays.chunks_mut(CHUNK).enumerate(), |(chunk, strays)| {
+            dispatch(Strays { energy: self, first: chunk * CHUNK, sign, most, strays });
+        });
+        Ok(strays)
+    }
+
+    /// Multiplies what the value of each point counts for by a factor of its own.
+    pub fn reweight(&mut self, factors: impl Iterator<Item = f64>) {
+        self.data.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
+    }
+
+    /// Makes each point count for its share again.
+    pub fn reset_weights(&mut self) {
+        let Data { share, mass, .. } = &mut self.data;
+        mass.iter_mut().zip(share).for_each(|(m, s)| *m = Mass { value: *s, gradient: *s });
+    }
+
+    /// The cell of `tile` that holds point `p`, and the place in it.
+    #[inline(always)]
+    pub(super) fn place(&self, tile: &Tile<D>, cells: &[usize; D], p: usize) -> (Stencil<D>, [f64; D]) {
+        let per_cell = (1u32 << tile.level) as f64;
+        let strides = strides::<D>();
+        let (mut first, mut u) = (0, [0.0; D]);
+        for a in 0..D {
+            let y = self.data.xi[p][a] * per_cell - (SIDE * tile.place[a] as usize) as f64;
+            let cell = (y as usize).min(cells[a] - 1);
+            first += cell * strides[a];
+            u[a] = y - cell as f64;
+        }
+        (Stencil { first, strides }, u)
+    }
+}
+
+fn permute<T: Copy>(x: &mut Vec<T>, order: &[u32]) {
+    *x = order.iter().map(|i| x[*i as usize]).collect();
+}
+
+impl<const D: usize> cg::System for RefinedEnergy<D> {
+    fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+        let mut c = std::mem::take(&mut self.scratch);
+        c.copy_from_slice(x);
+        self.space.accumulate(workers, &mut c);
+        let mut tables = std::mem::take(&mut self.tables);
+        self.fill_tables(workers, &mut tables, Tile::is_leaf, Product { c: &c });
+        let tiles = self.tree.tiles();
+        self.space.sum_tables(workers, &tables, |t| tiles[t].is_leaf(), y);
+        self.space.restrict(workers, y, &mut c);
+        (self.scratch, self.tables) = (c, tables);
+    }
+
+    fn precondition(&mut self, _: &Workers, r: &[f64], z: &mut [f64]) {
+        for ((z, r), d) in z.iter_mut().zip(r).zip(&self.diagonal) {
+            *z = if *d > 0.0 { r / d } else { 0.0 };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,347 @@
+//! Fields on refined cells.
+
+use super::*;
+use crate::geometry::random::SplitMix64;
+use crate::geometry::shapes::{box_mesh, circle, rectangle, sphere};
+use crate::geometry::{Cloud, Mesh};
+use crate::progress::Progress;
+use crate::spline::hierarchical::Space;
+use crate::spline::tree::Tree;
+use crate::spline::{Axis, Grid};
+use std::ops::ControlFlow;
+
+fn cloud<const D: usize>(mesh: Mesh<D>, n: usize) -> Cloud<D> {
+    mesh.sample(n, 1).unwrap()
+}
+
+fn cube() -> Cloud {
+    cloud(box_mesh([0.0; 3], [3.0, 4.0, 5.0]).unwrap(), 4000)
+}
+
+fn options(max_error: f64) -> FitOptions {
+    FitOptions { max_error, control_points: [9, 10, 11], tolerance: 1e-3, n_threads: 1, ..FitOptions::default() }
+}
+
+fn fit<const D: usize>(cloud: &Cloud<D>, options: &FitOptions) -> Field<D> {
+    Field::fit(cloud, options, &mut Progress::silent()).unwrap()
+}
+
+/// Value, gradient and Hessian at one point.
+fn jet<const D: usize>(field: &Field<D>, p: [f64; D]) -> Vec<f64> {
+    let (mut v, mut g, mut h) = ([0.0], [[0.0; D]], vec![0.0; eval::packed::<D>()]);
+    let outputs = Outputs { values: Some(&mut v), gradients: Some(&mut g), hessians: Some(&mut h) };
+    field.eval(&[p], outputs).unwrap();
+    v.iter().chain(g.as_flattened()).chain(&h).copied().collect()
+}
+
+/// A field of random control points on a grid of `n_cells` that was cut at random.
+fn at_random<const D: usize>(n_cells: [usize; D], n_cuts: usize, seed: u64) -> Field<D> {
+    let mut random = SplitMix64::new(seed);
+    let grid = Grid { axes: n_cells.map(|n| Axis { lower: random.between(-1.0, 1.0), cell: 0.5, n_cells: n }) };
+    let mut tree = Tree::new(grid).unwrap();
+    for _ in 0..n_cuts {
+        let level = (3.0 * random.unit()) as u32;
+        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32));
+    }
+    let space = Space::new(&tree).unwrap();
+    let active = (0..space.n_active()).map(|_| random.between(-1.0, 1.0)).collect();
+    let refined = Refined::new(tree, &space, active).unwrap();
+    Field::of_refined(refined, Feasible::Outside, 1.0, FitReport::default())
+}
+
+/// Across every face between leaves, and every face of the box, value, gradient and Hessian go on; third derivatives do not.
+fn goes_on_across_faces<const D: usize>(n_cells: [usize; D], seed: u64) {
+    const STEP: f64 = 1e-9;
+    let field = at_random(n_cells, 6, seed);
+    let tree = field.refined.as_ref().unwrap().tree();
+    let mut random = SplitMix64::new(seed);
+    for tile in tree.tiles().iter().filter(|t| t.is_leaf() && tree.holds(t)) {
+        let (cells, level) = (tree.cells(tile), tree.grid_of(tile.level));
+        for axis in 0..D {
+            let at =
+                |a: usize, cell: f64| level.axes[a].lower + level.axes[a].cell * (f64::from(4 * tile.place[a]) + cell);
+            let mut p: [f64; D] = std::array::from_fn(|a| at(a, cells[a] as f64 * random.unit()));
+            p[axis] = at(axis, cells[axis] as f64) - STEP;
+            let before = jet(&field, p);
+            p[axis] += 2.0 * STEP;
+            let behind = jet(&field, p);
+            // Third derivatives are at most about 8 / h^3 in size, beyond the box some hundred times that, h the shortest cell there.
+            let beyond = level.axes[axis].upper() < p[axis];
+            let h = tree.grid_of(if beyond { tree.n_levels() - 1 } else { tile.level }).axes[axis].cell;
+            let largest = 1e3 * STEP / h.powi(3);
+            let apart = before.iter().zip(&behind).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+            assert!(apart < largest, "{apart:e} of {largest:e} at {p:?}: {before:?} {behind:?}");
+        }
+    }
+}
+
+#[test]
+fn refined_fields_are_c2() {
+    for seed in 0..5 {
+        goes_on_across_faces([5, 4, 9], seed);
+        goes_on_across_faces([9, 6], seed);
+        goes_on_across_faces([1, 2, 3], seed);
+    }
+}
+
+fn derivatives_are_those_of_differences<const D: usize>(n_cells: [usize; D]) {
+    let field = at_random(n_cells, 6, 4);
+    let mut random = SplitMix64::new(6);
+    for _ in 0..300 {
+        let p = std::array::from_fn(|a| {
+            let axis = field.grid().axes[a];
+            random.between(axis.lower - 1.0, axis.upper() + 1.0)
+        });
+        let here = jet(&field, p);
+        let mut packed = 1 + D;
+        for a in 0..D {
+            let step = 1e-5;
+            let moved = |sign: f64| {
+                let mut p = p;
+                p[a] += sign * step;
+                jet(&field, p)
+            };
+            let (low, high) = (moved(-1.0), moved(1.0));
+            let slope = |i: usize| (high[i] - low[i]) / (2.0 * step);
+            assert!((slope(0) - here[1 + a]).abs() < 1e-4 * (1.0 + here[1 + a].abs()), "{p:?}");
+            for b in a..D {
+                assert!((slope(1 + b) - here[packed]).abs() < 2e-2 * (1.0 + here[packed].abs()), "{p:?}");
+                packed += 1;
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_refined_fields_are_those_of_differences() {
+    derivatives_are_those_of_differences([5, 4, 9]);
+    derivatives_are_those_of_differences([9, 6]);
+}
+
+/// The rank of the active functions' values at many points is their number.
+fn is_independent<const D: usize>(n_cells: [usize; D], seed: u64) {
+    let field = at_random(n_cells, 3, seed);
+    let tree = field.refined.as_ref().unwrap().tree();
+    let space = Space::new(tree).unwrap();
+    let n = space.n_active();
+    // Five points a cell along each axis tell a cubic from every other.
+    let points: Vec<[f64; D]> = (0..tree.tiles().len())
+        .filter(|t| tree.tiles()[*t].is_leaf() && tree.holds(&tree.tiles()[*t]))
+        .flat_map(|t| {
+            let tile = tree.tiles()[t];
+            let (cells, level) = (tree.cells(&tile).map(|n| 5 * n), tree.grid_of(tile.level));
+            (0..cells.iter().product()).map(move |mut i: usize| {
+                let mut p = [0.0; D];
+                for a in (0..D).rev() {
+                    let along = (i % cells[a]) as f64 / 5.0 + 0.1 + f64::from(4 * tile.place[a]);
+                    (p[a], i) = (level.axes[a].lower + level.axes[a].cell * along, i / cells[a]);
+                }
+                p
+            })
+        })
+        .collect();
+    // The matrix of sums over the points, by columns; then Cholesky's pivots.
+    let columns: Vec<Vec<f64>> = (0..n)
+        .map(|i| {
+            let one = (0..n).map(|j| f64::from(i == j)).collect();
+            let refined = Refined::new(tree.clone(), &space, one).unwrap();
+            let field = Field::of_refined(refined, Feasible::Outside, 1.0, FitReport::default());
+            let mut values = vec![0.0; points.len()];
+            field.eval(&points, Outputs { values: Some(&mut values), ..Outputs::default() }).unwrap();
+            values
+        })
+        .collect();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for mut column in columns {
+        let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| x * y).sum::<f64>();
+        let size = dot(&column, &column).sqrt();
+        assert!(size > 0.0);
+        for _ in 0..2 {
+            for q in &basis {
+                let along = dot(q, &column);
+                column.iter_mut().zip(q).for_each(|(c, q)| *c -= along * q);
+            }
+        }
+        let left = dot(&column, &column).sqrt();
+        assert!(left > 1e-7 * size, "a function is a sum of others but for {:e}", left / size);
+        column.iter_mut().for_each(|c| *c /= left);
+        basis.push(column);
+    }
+}
+
+#[test]
+fn active_functions_are_independent() {
+    for seed in 0..3 {
+        is_independent([5, 4], seed);
+        is_independent([2, 7], seed);
+    }
+    is_independent([1, 2, 2], 1);
+}
+
+/// Cut further, the space holds all that it held.
+fn is_nested<const D: usize>(n_cells: [usize; D], seed: u64) {
+    let workers = crate::par::Workers::caller_only();
+    let before = at_random(n_cells, 4, seed);
+    let mut tree = before.refined.as_ref().unwrap().tree().clone();
+    let coarse = Space::new(&tree).unwrap();
+    let mut random = SplitMix64::new(seed);
+    for _ in 0..5 {
+        let level = (4.0 * random.unit()) as u32;
+        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32));
+    }
+    let fine = Space::new(&tree).unwrap();
+    assert!(fine.n_active() > coarse.n_active());
+    let x = coarse.with_active(before.refined.as_ref().unwrap().active().iter().copied()).unwrap();
+    let x = fine.take_over(&coarse, &x, &workers).unwrap();
+    let refined = Refined::new(tree, &fine, fine.active(&x).collect()).unwrap();
+    let after = Field::of_refined(refined, Feasible::Outside, 1.0, FitReport::default());
+    for _ in 0..300 {
+        let p = std::array::from_fn(|a| {
+            let axis = before.grid().axes[a];
+            random.between(axis.lower, axis.upper())
+        });
+        let (x, y) = (jet(&before, p), jet(&after, p));
+        let size = x.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+        assert!(x.iter().zip(&y).all(|(x, y)| (x - y).abs() < 1e-11 * size), "{x:?} {y:?}");
+    }
+}
+
+#[test]
+fn a_tree_that_is_cut_further_holds_the_splines_of_before() {
+    for seed in 0..4 {
+        is_nested([5, 4, 9], seed);
+        is_nested([9, 6], seed);
+    }
+}
+
+#[test]
+fn the_error_asked_for_is_reached_with_cells_where_it_is_hard() {
+    let cloud = cube();
+    let (coarse, fine) = (fit(&cloud, &FitOptions { max_error: 0.0, ..options(0.0) }), fit(&cloud, &options(6e-4)));
+    let (before, after) = (coarse.report(), fine.report());
+    assert!(before.max > 1.5e-3 && after.max <= 6e-4, "{before:?} {after:?}");
+    assert!(before.n_levels == 1 && after.n_levels > 2);
+    // A grid of the finest cells would have 8^l times as many.
+    assert!(after.n_unknowns < before.n_unknowns * 8u64.pow(after.n_levels - 1) / 4, "{after:?}");
+    assert!(fine.coefficients().is_empty() && fine.is_refined());
+    // Beside an edge a wrong sign goes no farther than a few hundredths of the diagonal, which is 7.
+    let mut random = SplitMix64::new(2);
+    for _ in 0..500 {
+        let p = std::array::from_fn(|a| random.between(-0.2, 3.2 + a as f64));
+        let outside = (0..3).fold(f64::NEG_INFINITY, |m: f64, a| m.max(-p[a]).max(p[a] - 3.0 - a as f64));
+        if outside.abs() > 0.2 {
+            assert_eq!(jet(&fine, p)[0] > 0.0, outside > 0.0, "{p:?}");
+        }
+    }
+}
+
+#[test]
+fn smooth_shapes_need_no_cuts_and_the_plane_has_them_too() {
+    let ball = fit(&cloud(sphere([0.0; 3], 1.0, 4).unwrap(), 3000), &FitOptions { max_error: 0.01, ..options(0.0) });
+    assert!(ball.report().max <= 0.01);
+    let plate = cloud(rectangle([0.0; 2], [2.0, 1.0]).unwrap(), 800);
+    let field = fit(&plate, &FitOptions { max_error: 1e-3, control_points: [12; 3], ..options(0.0) });
+    let report = field.report();
+    assert!(report.max <= 1e-3 && report.n_levels > 2 && report.control_points == [12, 12, 0], "{report:?}");
+    let level_set = field.level_set(0.0, &LevelSetOptions::default(), &mut Progress::silent()).unwrap();
+    assert_eq!(level_set.boundary(), 0);
+}
+
+#[test]
+fn thin_parts_are_kept_whatever_the_error() {
+    // Of a thousandth of the diagonal: with cells of a tenth both faces would be one.
+    let plate = cloud(box_mesh([0.0; 3], [1.0, 1.0, 0.02]).unwrap(), 8000);
+    let field = fit(&plate, &FitOptions { max_error: 2e-3, control_points: [10, 10, 6], ..options(0.0) });
+    assert!(field.report().max <= 2e-3, "{:?}", field.report());
+    for x in [0.2, 0.5, 0.8] {
+        assert!(jet(&field, [x, 0.5, 0.01])[0] < -0.005 && jet(&field, [x, 0.5, 0.03])[0] > 0.005);
+    }
+}
+
+#[test]
+fn threads_files_and_refits_keep_a_refined_field() {
+    let cloud = cube();
+    let field = fit(&cloud, &options(3e-3));
+    let many = fit(&cloud, &FitOptions { n_threads: 3, ..options(3e-3) });
+    let active = |field: &Field| field.refined.as_ref().unwrap().active().to_vec();
+    assert!(active(&field) == active(&many), "threads change bits");
+    let path = std::env::temp_dir().join(format!("keepout_refined_{}.kof", std::process::id()));
+    field.save(&path).unwrap();
+    let again = Field::<3>::load(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(active(&field), active(&again));
+    let (mut random, r) = (SplitMix64::new(7), field.report());
+    for _ in 0..200 {
+        let p = std::array::from_fn(|_| random.between(-1.0, 6.0));
+        assert_eq!(jet(&field, p), jet(&again, p));
+    }
+    assert_eq!((r.n_unknowns, r.n_levels, r.max), {
+        let r = again.report();
+        (r.n_unknowns, r.n_levels, r.max)
+    });
+    let anew = again.refit(&cloud, &FitOptions { reweightings: 0, ..options(0.0) }, &mut Progress::silent()).unwrap();
+    assert_eq!((anew.report().n_unknowns, anew.report().n_levels), (r.n_unknowns, r.n_levels));
+    let further = again.refit(&cloud, &options(1.5e-3), &mut Progress::silent()).unwrap();
+    assert!(further.report().max <= 1.5e-3 && further.report().n_unknowns > r.n_unknowns);
+}
+
+#[test]
+fn limits_end_refinement_and_not_the_fit() {
+    let cloud = cube();
+    let few = fit(&cloud, &FitOptions { max_unknowns: 3000, ..options(1e-4) });
+    assert!(few.report().n_unknowns <= 3000 && few.report().n_unknowns > 1500, "{:?}", few.report());
+    assert!(few.report().max > 1e-4);
+    let tight = fit(&cloud, &FitOptions { memory_limit: 10 << 20, ..options(1e-4) });
+    assert!(tight.report().max > 1e-4 && tight.report().n_unknowns > 990);
+    let robust = FitOptions { reweighting: Reweighting::Robust, ..options(1e-3) };
+    assert!(matches!(Field::fit(&cloud, &robust, &mut Progress::silent()), Err(Error::Unsupported(_))));
+    for wrong in [-1.0, 1e-10, 2.0, f64::NAN] {
+        let end = Field::fit(&cloud, &options(wrong), &mut Progress::silent());
+        assert!(matches!(end, Err(Error::InvalidArgument(_))), "{wrong}");
+    }
+    let short = FitOptions { max_iterations: 30, ..options(1e-3) };
+    let end = Field::fit(&cloud, &short, &mut Progress::silent());
+    assert!(matches!(end, Err(Error::NotConverged { iterations: 30, .. })), "{end:?}");
+}
+
+#[test]
+fn a_refining_fit_tells_of_progress_and_stops_where_it_is_asked_to() {
+    let (cloud, mut told, mut last) = (cube(), 0, 0.0);
+    let mut listen = |fraction: f64, _: &str| {
+        assert!((last..=1.0).contains(&fraction), "{last} {fraction}");
+        (told, last) = (told + 1, fraction);
+        ControlFlow::Continue(())
+    };
+    Field::fit(&cloud, &options(3e-3), &mut Progress::new(&mut listen)).unwrap();
+    assert_eq!(last, 1.0);
+    for stop in [1, told / 3, told - 1] {
+        let mut n = 0;
+        let mut listen = |_: f64, _: &str| {
+            n += 1;
+            if n == stop { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        assert_eq!(Field::fit(&cloud, &options(3e-3), &mut Progress::new(&mut listen)).unwrap_err(), Error::Cancelled);
+    }
+}
+
+#[test]
+fn turning_the_feasible_side_turns_the_sign() {
+    let ring = cloud(circle([0.0; 2], 1.0, 90).unwrap(), 400);
+    let one = fit(&ring, &FitOptions { max_error: 1e-3, control_points: [8; 3], ..options(0.0) });
+    let inside = FitOptions { feasible: Feasible::Inside, max_error: 1e-3, control_points: [8; 3], ..options(0.0) };
+    let other = fit(&ring, &inside);
+    for p in [[0.0, 0.3], [0.9, 0.2], [1.05, 0.1], [3.0, 2.0]] {
+        let (x, y) = (jet(&one, p), jet(&other, p));
+        assert!(x.iter().zip(&y).all(|(x, y)| (x + y).abs() < 1e-9), "{x:?} {y:?}");
+    }
+}
+
+#[test]
+fn normals_that_cancel_out_are_refused() {
+    let one = cloud(circle([0.0; 2], 1.0, 90).unwrap(), 300);
+    let points = [one.points(), one.points()].concat();
+    let normals = one.normals().iter().copied().chain(one.normals().iter().map(|n| n.map(|x| -x))).collect();
+    let both = Cloud::new(points, normals).unwrap();
+    let end = Field::fit(&both, &FitOptions { max_error: 1e-3, ..options(0.0) }, &mut Progress::silent());
+    assert!(matches!(end, Err(Error::Degenerate(_))), "{end:?}");
+}
