@@ -230,7 +230,7 @@ static void crafted_counts_are_not_believed(const struct count *counts, size_t n
 /* What is said of z in the plane is 0. */
 static void crafted_headers_of_the_plane_are_not_believed(void) {
     const struct count counts[] = {
-        {8, 2, "version 2"},  {12, 3, "0 control points"}, {12, 1, "dimension 1"}, {16, 3, "3 control points"},
+        {8, 3, "version 3"},  {8, 2, "altered"},           {12, 3, "0 control points"}, {12, 1, "dimension 1"}, {16, 3, "3 control points"},
         {20, 9, "announces"}, {24, 4, "along z"},          {28, 2, "side is 2"},
     };
     crafted_counts_are_not_believed(counts, sizeof counts / sizeof *counts);
@@ -245,7 +245,7 @@ static void crafted_headers_of_the_plane_are_not_believed(void) {
 
 static void crafted_headers_are_not_believed(void) {
     const struct count counts[] = {
-        {8, 2, "version 2"},         {12, 4, "dimension 4"}, {12, 2, "along z"},   {16, 3, "3 control points"},
+        {8, 3, "version 3"},         {8, 2, "altered"},         {12, 4, "dimension 4"}, {12, 2, "along z"},   {16, 3, "3 control points"},
         {20, 0, "0 control points"}, {24, 9, "announces"},   {24, 7, "announces"}, {16, UINT32_MAX, "announces"},
         {28, 2, "side is 2"},
     };

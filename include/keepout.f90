@@ -15,6 +15,7 @@ module keepout_c
 
   integer(c_int32_t), parameter :: KO_OK = 0
   integer(c_int32_t), parameter :: KO_OPEN_AT_BOX = 1
+  integer(c_int32_t), parameter :: KO_BUDGET_REACHED = 2
   integer(c_int32_t), parameter :: KO_ERR_INVALID_ARGUMENT = -1
   integer(c_int32_t), parameter :: KO_ERR_OUT_OF_MEMORY = -2
   integer(c_int32_t), parameter :: KO_ERR_IO = -3
@@ -111,6 +112,8 @@ module keepout_c
     type(c_ptr) :: progress_data
     integer(c_int32_t) :: reweighting
     integer(c_int32_t) :: reserved_2
+    real(c_double) :: max_error
+    integer(c_int64_t) :: max_unknowns
   end type
 
   type, bind(c) :: ko_fit_report
@@ -135,6 +138,7 @@ module keepout_c
     integer(c_int64_t) :: n_outliers
     real(c_double) :: clear_sides
     real(c_double) :: convergence_rate
+    integer(c_int64_t) :: n_levels
   end type
 
   ! Made by keepout_level_set_options() with the defaults.
@@ -547,7 +551,7 @@ end module
 ! Handles. A keepout_mesh, _cloud or _field is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
 !   freed by free() or when it goes out of scope. It has one owner: assigning one ends the program; move_alloc moves one that is
 !   allocatable.
-! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX) or one of
+! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX, KO_BUDGET_REACHED) or one of
 !   KO_ERR_..., errmsg is set on failure. A call that fails without stat ends the program with its message.
 ! Threads. As in C: calls that take their handle as intent(in) may be made at once from any number of threads.
 module keepout

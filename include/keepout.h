@@ -34,6 +34,11 @@
 #define KO_OPEN_AT_BOX 1
 
 /**
+ * A success with a remark: refinement came to the end of its control points, or its memory, before the error asked for.
+ */
+#define KO_BUDGET_REACHED 2
+
+/**
  * An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
  */
 #define KO_ERR_INVALID_ARGUMENT -1
@@ -424,6 +429,17 @@ typedef struct ko_fit_options {
      * Must be 0.
      */
     uint32_t reserved_2;
+    /**
+     * Largest error on the surface that is wanted, as a fraction of D, in [1e-9, 1]: cells are halved, again and again, where |phi| at the
+     * cloud's points is larger, and where parts are thin. The grid is then coarse where no `control_points` are asked for, lambda_normal
+     * and lambda_smooth are those of its cells, and fall by 4 and 8 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one grid.
+     */
+    double max_error;
+    /**
+     * Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with KO_BUDGET_REACHED.
+     * Default 2000000. Without `max_error` it means nothing.
+     */
+    uint64_t max_unknowns;
 } ko_fit_options;
 
 /**
@@ -443,7 +459,7 @@ typedef struct ko_fit_report {
      */
     int32_t feasible;
     /**
-     * Control points along x, y, z; an axis of n has n - 3 cells.
+     * Control points along x, y, z; an axis of n has n - 3 cells. Of a refined field those of the longest cells.
      */
     uint32_t control_points[3];
     /**
@@ -517,6 +533,10 @@ typedef struct ko_fit_report {
      * was loaded or made.
      */
     double convergence_rate;
+    /**
+     * Levels of cells, those of each half as long as those of the one before: 1 where nothing was refined.
+     */
+    uint64_t n_levels;
 } ko_fit_report;
 
 /**
@@ -890,8 +910,10 @@ int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
  * smoothness integrated exactly, distances held away from the surface, and points that the surface misses weighted more.
  *
  * `options` NULL: the defaults. phi > 0 on the feasible side; |phi| is close to the distance near the surface and smooth everywhere.
- * `*field` is the caller's to free; it does not refer to the cloud.
- * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
+ * `*field` is the caller's to free; it does not refer to the cloud. With `max_error` its cells are refined where the error is larger: by
+ * hierarchical B-splines, C2 as well (Kraft 1997).
+ * Returns KO_BUDGET_REACHED, a success, where `max_error` was not reached within `max_unknowns` and `memory_limit`, or by cells as fine as
+ * the points tell. Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
  * equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
  * bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
  * Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 30 ns a point and 25 ns a control point on one
@@ -909,7 +931,8 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  *
  * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
  * `start` nor the cloud, and `start` stays as it is.
- * Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
+ * With `max_error` the cells of `start` are refined further where they must be; those that it has stay.
+ * Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
  * first, and for a cloud of a diagonal of less than a hundredth of the longest cell. Threads, cost, memory: those of `ko_field_fit`, in
  * fewer iterations.
  */
@@ -945,7 +968,7 @@ int32_t ko_field_from_control_points(uint32_t dim,
  * length.
  *
  * `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
- * KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+ * KO_ERR_INVALID_ARGUMENT; KO_ERR_UNSUPPORTED for a field with `n_levels` above 1, whose control points are no tensor. Threads: any. Cost: a copy.
  */
 int32_t ko_field_copy_control_points(const struct ko_field *field,
                                      size_t n_control_points,
@@ -1069,6 +1092,7 @@ int32_t ko_level_set_options_init(struct ko_level_set_options *options, size_t s
  * but for rounding; between them it is missed by about an eighth of the square of an edge times its curvature, and what is smaller than an
  * edge may be missed or joined. The mesh is watertight wherever the level set stays within the box: marching simplices (Allgower and
  * Gnutzmann 1987) on the cells cut into `subdivisions`, vertices by Newton's method, then short edges collapsed (Dey et al. 1999).
+ * Of a refined field these are the cells of the deepest level with which the lattice has no more than 2^26 vertices.
  * `*mesh` is the caller's to free. The same field and options give the same bits.
  * Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
  * close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a

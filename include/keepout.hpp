@@ -470,6 +470,7 @@ public:
     /// Takes ownership of `handle`.
     explicit Field(ko_field *handle) noexcept : handle_(handle), dim_(detail::dim_of(handle)) {}
 
+    /// Of `cloud`. Where options.max_error was out of reach, KO_BUDGET_REACHED, report().max tells.
     static Field fit(const Cloud &cloud, const FitOptions &options = {}) {
         ko_field *handle = nullptr;
         detail::listened<ko_fit_options>(options, handle, ko_field_free, [&](const ko_fit_options &plain, ko_field **field) {

@@ -91,6 +91,11 @@ fn refits() {
 }
 
 #[test]
+fn refined() {
+    run("refined", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }

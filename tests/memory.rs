@@ -74,9 +74,37 @@ fn stays_within<const D: usize>(limit: u64, mesh: &Mesh<D>, n_points: usize, con
     converges[1]
 }
 
+/// Fits that would refine without end stay within their limits, and use them.
+fn check_refining<const D: usize>(mesh: &Mesh<D>, n_points: usize, megabytes: [u64; 3]) {
+    for limit in megabytes.map(|m| m << 20) {
+        let options = FitOptions {
+            control_points: [10; 3],
+            max_error: 1e-7,
+            max_unknowns: u64::MAX,
+            reweightings: 0,
+            tolerance: 0.1,
+            n_threads: 1,
+            memory_limit: limit,
+            ..FitOptions::default()
+        };
+        let before = TAKEN.load(Ordering::Relaxed);
+        let cloud = mesh.sample(n_points, 1).unwrap();
+        let cloud = Cloud::new(cloud.points().to_vec(), cloud.normals().to_vec()).unwrap();
+        MOST.store(TAKEN.load(Ordering::Relaxed), Ordering::Relaxed);
+        let field = Field::fit(&cloud, &options, &mut Progress::silent()).unwrap();
+        let taken = (MOST.load(Ordering::Relaxed) - before) as u64;
+        assert!(
+            taken <= limit && field.is_refined(),
+            "{n_points} points: {taken} bytes of {limit}, {:?}",
+            field.report()
+        );
+        assert!(taken > limit / 8, "{n_points} points: {taken} bytes of {limit}, {:?}", field.report());
+    }
+}
+
 // One test: allocations of another at the same time would count too.
 #[test]
-fn a_fit_stays_within_its_limit_with_a_multigrid_and_without() {
+fn a_fit_stays_within_its_limit_with_a_multigrid_and_without_and_refining() {
     let ring = torus(1.0, 0.4, 60, 30).unwrap();
     // Cells a third as long along z as along the others, and more points than control points; then far fewer.
     check(&ring, 6000, [20, 20, 20]);
@@ -84,4 +112,6 @@ fn a_fit_stays_within_its_limit_with_a_multigrid_and_without() {
     check(&ring, 1000, [40, 40, 5]);
     check(&circle([0.0; 2], 1.0, 200).unwrap(), 300, [66, 63, 0]);
     check(&circle([0.0; 2], 1.0, 200).unwrap(), 5000, [66, 63, 0]);
+    check_refining(&ring, 3000, [16, 40, 100]);
+    check_refining(&circle([0.0; 2], 1.0, 200).unwrap(), 1000, [3, 5, 9]);
 }

@@ -55,6 +55,8 @@ size_t layout_fit_options(size_t *offsets) {
     PUT(progress_data);
     PUT(reweighting);
     PUT(reserved_2);
+    PUT(max_error);
+    PUT(max_unknowns);
     return sizeof(STRUCT);
 }
 #undef STRUCT
@@ -82,6 +84,7 @@ size_t layout_fit_report(size_t *offsets) {
     PUT(n_outliers);
     PUT(clear_sides);
     PUT(convergence_rate);
+    PUT(n_levels);
     return sizeof(STRUCT);
 }
 #undef STRUCT

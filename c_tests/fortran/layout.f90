@@ -97,7 +97,7 @@ contains
 
   subroutine check_fit_options()
     type(ko_fit_options), target :: x
-    integer(c_size_t) :: right(17), found(17)
+    integer(c_size_t) :: right(19), found(19)
     call equal(c_sizeof(x), layout_fit_options(right), "bytes of ko_fit_options")
     found(1) = offset(c_loc(x), c_loc(x%struct_size))
     found(2) = offset(c_loc(x), c_loc(x%control_points))
@@ -116,12 +116,14 @@ contains
     found(15) = offset(c_loc(x), c_loc(x%progress_data))
     found(16) = offset(c_loc(x), c_loc(x%reweighting))
     found(17) = offset(c_loc(x), c_loc(x%reserved_2))
+    found(18) = offset(c_loc(x), c_loc(x%max_error))
+    found(19) = offset(c_loc(x), c_loc(x%max_unknowns))
     call holds(all(found == right), "offsets in ko_fit_options")
   end subroutine
 
   subroutine check_fit_report()
     type(ko_fit_report), target :: x
-    integer(c_size_t) :: right(21), found(21)
+    integer(c_size_t) :: right(22), found(22)
     call equal(c_sizeof(x), layout_fit_report(right), "bytes of ko_fit_report")
     found(1) = offset(c_loc(x), c_loc(x%struct_size))
     found(2) = offset(c_loc(x), c_loc(x%dim))
@@ -144,6 +146,7 @@ contains
     found(19) = offset(c_loc(x), c_loc(x%n_outliers))
     found(20) = offset(c_loc(x), c_loc(x%clear_sides))
     found(21) = offset(c_loc(x), c_loc(x%convergence_rate))
+    found(22) = offset(c_loc(x), c_loc(x%n_levels))
     call holds(all(found == right), "offsets in ko_fit_report")
   end subroutine
 

@@ -39,6 +39,7 @@ class Status(enum.IntEnum):
 
     OK = 0
     OPEN_AT_BOX = 1
+    BUDGET_REACHED = 2
     INVALID_ARGUMENT = -1
     OUT_OF_MEMORY = -2
     IO = -3
@@ -211,6 +212,8 @@ class ko_fit_options(_Struct):
         ("progress_data", c_void_p),
         ("reweighting", c_int32),
         ("reserved_2", c_uint32),
+        ("max_error", c_double),
+        ("max_unknowns", c_uint64),
     ]
 
 
@@ -239,6 +242,7 @@ class ko_fit_report(_Struct):
         ("n_outliers", c_uint64),
         ("clear_sides", c_double),
         ("convergence_rate", c_double),
+        ("n_levels", c_uint64),
     ]
 
 
@@ -838,7 +842,7 @@ class Field(_Handle):
 
     @classmethod
     def fit(cls, cloud: Cloud, options: Optional[FitOptions] = None, progress: Optional[Progress] = None) -> Field:
-        """Fits a field to `cloud`; `progress` is told on this thread."""
+        """Fits a field to `cloud`; `progress` is told on this thread. Where options.max_error was out of reach report.max tells."""
         plain = ko_fit_options.from_buffer_copy(options or FitOptions())
         return _make(cls, plain, progress, lambda own, to: _field_fit(cloud, own, to))[0]
 

@@ -2,14 +2,15 @@
 
 use super::cloud::ko_cloud;
 use super::fit_options::{feasible as side, ko_fit_options};
-use super::guard::{guard, guard_free};
+use super::guard::{guard, guard_free, guard_with_remark};
 use super::mesh::{check_count, copied};
 use super::pointer::{array, array_mut, create, free, object, path, wanted};
 use super::progress::listener;
 use super::report::ko_fit_report;
+use super::status::{KO_BUDGET_REACHED, KO_OK};
 use crate::dimension::{OfDimension, in_its_dimension};
 use crate::field::eval::packed;
-use crate::field::{self, Feasible, Field, Lattice, Outputs, domain};
+use crate::field::{self, Feasible, Field, FitOptions, Lattice, Outputs, domain};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use std::ffi::c_char;
@@ -22,8 +23,10 @@ pub struct ko_field(pub(super) OfDimension<Field<2>, Field<3>>);
 /// smoothness integrated exactly, distances held away from the surface, and points that the surface misses weighted more.
 ///
 /// `options` NULL: the defaults. phi > 0 on the feasible side; |phi| is close to the distance near the surface and smooth everywhere.
-/// `*field` is the caller's to free; it does not refer to the cloud.
-/// Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
+/// `*field` is the caller's to free; it does not refer to the cloud. With `max_error` its cells are refined where the error is larger: by
+/// hierarchical B-splines, C2 as well (Kraft 1997).
+/// Returns KO_BUDGET_REACHED, a success, where `max_error` was not reached within `max_unknowns` and `memory_limit`, or by cells as fine as
+/// the points tell. Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
 /// equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
 /// bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
 /// Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 30 ns a point and 25 ns a control point on one
@@ -36,7 +39,8 @@ pub unsafe extern "C" fn ko_field_fit(
     options: *const ko_fit_options,
     field: *mut *mut ko_field,
 ) -> i32 {
-    guard(|| {
+    guard_with_remark(|| {
+        let mut remark = KO_OK;
         let make = || {
             // SAFETY: the header asks for a cloud.
             let ko_cloud(cloud) = unsafe { object(cloud, "cloud") }?;
@@ -45,13 +49,16 @@ pub unsafe extern "C" fn ko_field_fit(
             // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
             let mut tell = unsafe { listener(options.progress, options.progress_data) };
             let (options, mut progress) = (options.to_fit_options()?, Progress::new(&mut tell));
-            Ok(ko_field(match cloud {
+            let field = match cloud {
                 OfDimension::Plane(cloud) => OfDimension::Plane(Field::fit(cloud, &options, &mut progress)?),
                 OfDimension::Space(cloud) => OfDimension::Space(Field::fit(cloud, &options, &mut progress)?),
-            }))
+            };
+            remark = remark_on(&field, &options);
+            Ok(ko_field(field))
         };
         // SAFETY: the header asks for a handle to write.
-        unsafe { create(field, "field", make) }
+        unsafe { create(field, "field", make) }?;
+        Ok(remark)
     })
 }
 
@@ -60,7 +67,8 @@ pub unsafe extern "C" fn ko_field_fit(
 ///
 /// As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
 /// `start` nor the cloud, and `start` stays as it is.
-/// Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
+/// With `max_error` the cells of `start` are refined further where they must be; those that it has stay.
+/// Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
 /// first, and for a cloud of a diagonal of less than a hundredth of the longest cell. Threads, cost, memory: those of `ko_field_fit`, in
 /// fewer iterations.
 #[unsafe(no_mangle)]
@@ -70,7 +78,8 @@ pub unsafe extern "C" fn ko_field_refit(
     options: *const ko_fit_options,
     field: *mut *mut ko_field,
 ) -> i32 {
-    guard(|| {
+    guard_with_remark(|| {
+        let mut remark = KO_OK;
         let make = || {
             // SAFETY: the header asks for a field and a cloud.
             let (ko_field(start), ko_cloud(cloud)) = unsafe { (object(start, "start")?, object(cloud, "cloud")?) };
@@ -79,7 +88,7 @@ pub unsafe extern "C" fn ko_field_refit(
             // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
             let mut tell = unsafe { listener(options.progress, options.progress_data) };
             let (options, mut progress) = (options.to_fit_options()?, Progress::new(&mut tell));
-            Ok(ko_field(match (start, cloud) {
+            let field = match (start, cloud) {
                 (OfDimension::Plane(start), OfDimension::Plane(cloud)) => {
                     OfDimension::Plane(start.refit(cloud, &options, &mut progress)?)
                 }
@@ -91,11 +100,20 @@ pub unsafe extern "C" fn ko_field_refit(
                     let text = format!("start has dim {start}, the cloud dim {cloud}; they must be the same");
                     return Err(Error::InvalidArgument(text));
                 }
-            }))
+            };
+            remark = remark_on(&field, &options);
+            Ok(ko_field(field))
         };
         // SAFETY: the header asks for a handle to write.
-        unsafe { create(field, "field", make) }
+        unsafe { create(field, "field", make) }?;
+        Ok(remark)
     })
+}
+
+/// `KO_BUDGET_REACHED` where refinement left a larger error than was asked for.
+fn remark_on(field: &OfDimension<Field<2>, Field<3>>, options: &FitOptions) -> i32 {
+    let max = in_its_dimension!(field, field => field.report().max);
+    if options.max_error > 0.0 && max > options.max_error { KO_BUDGET_REACHED } else { KO_OK }
 }
 
 /// Makes a field (5) of given control points: one that another library fitted, say, or an optimiser moved.
@@ -165,7 +183,7 @@ unsafe fn from_control_points<const D: usize>(
 /// length.
 ///
 /// `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
-/// KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a copy.
+/// KO_ERR_INVALID_ARGUMENT; KO_ERR_UNSUPPORTED for a field with `n_levels` above 1, whose control points are no tensor. Threads: any. Cost: a copy.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_copy_control_points(
     field: *const ko_field,
@@ -175,6 +193,10 @@ pub unsafe extern "C" fn ko_field_copy_control_points(
     guard(|| {
         // SAFETY: the header asks for a field.
         let ko_field(field) = unsafe { object(field, "field") }?;
+        if in_its_dimension!(field, field => field.is_refined()) {
+            let text = "the field is refined, so that its control points are no tensor; fit with max_error 0 for one";
+            return Err(Error::Unsupported(text.into()));
+        }
         let from = in_its_dimension!(field, field => field.coefficients());
         check_count("n_control_points", n_control_points, from.len())?;
         // SAFETY: the header asks for an array of this length.

@@ -62,6 +62,13 @@ pub struct ko_fit_options {
     pub reweighting: i32,
     /// Must be 0.
     pub reserved_2: u32,
+    /// Largest error on the surface that is wanted, as a fraction of D, in [1e-9, 1]: cells are halved, again and again, where |phi| at the
+    /// cloud's points is larger, and where parts are thin. The grid is then coarse where no `control_points` are asked for, lambda_normal
+    /// and lambda_smooth are those of its cells, and fall by 4 and 8 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one grid.
+    pub max_error: f64,
+    /// Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with KO_BUDGET_REACHED.
+    /// Default 2000000. Without `max_error` it means nothing.
+    pub max_unknowns: u64,
 }
 
 // SAFETY: repr(C), starts with a usize, and no padding, by the order of its fields (checked below). Every pattern of bits is a value:
@@ -104,6 +111,8 @@ impl ko_fit_options {
             progress_data: std::ptr::null_mut(),
             reweighting: KO_REWEIGHT_LARGEST,
             reserved_2: 0,
+            max_error: d.max_error,
+            max_unknowns: d.max_unknowns,
         }
     }
 
@@ -142,6 +151,8 @@ impl ko_fit_options {
             distance_weight: self.distance_weight,
             reweighting,
             reweightings: self.reweightings,
+            max_error: self.max_error,
+            max_unknowns: self.max_unknowns,
             feasible: feasible(self.feasible)?,
             tolerance: self.tolerance,
             max_iterations: self.max_iterations,

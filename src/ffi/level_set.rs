@@ -110,6 +110,7 @@ impl ko_level_set_options {
 /// but for rounding; between them it is missed by about an eighth of the square of an edge times its curvature, and what is smaller than an
 /// edge may be missed or joined. The mesh is watertight wherever the level set stays within the box: marching simplices (Allgower and
 /// Gnutzmann 1987) on the cells cut into `subdivisions`, vertices by Newton's method, then short edges collapsed (Dey et al. 1999).
+/// Of a refined field these are the cells of the deepest level with which the lattice has no more than 2^26 vertices.
 /// `*mesh` is the caller's to free. The same field and options give the same bits.
 /// Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
 /// close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a

@@ -100,7 +100,7 @@ pub struct ko_fit_report {
     pub dim: u32,
     /// KO_FEASIBLE_OUTSIDE or KO_FEASIBLE_INSIDE.
     pub feasible: i32,
-    /// Control points along x, y, z; an axis of n has n - 3 cells.
+    /// Control points along x, y, z; an axis of n has n - 3 cells. Of a refined field those of the longest cells.
     pub control_points: [u32; 3],
     /// Iterations of the solve, all rounds together.
     pub iterations: u32,
@@ -139,6 +139,8 @@ pub struct ko_fit_report {
     /// Mean factor by which an iteration of the last round lowered the residual: 0.1 gains a digit each. Not a number for a field that
     /// was loaded or made.
     pub convergence_rate: f64,
+    /// Levels of cells, those of each half as long as those of the one before: 1 where nothing was refined.
+    pub n_levels: u64,
 }
 
 // SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
@@ -180,6 +182,7 @@ impl ko_fit_report {
             n_outliers: r.n_outliers,
             clear_sides: r.clear_sides,
             convergence_rate: r.convergence_rate,
+            n_levels: r.n_levels.into(),
         };
         // SAFETY: the caller's promise.
         unsafe { write_sized(to, size, report, "report") }
