@@ -3,6 +3,7 @@
 #include "subjects.hpp"
 
 #include "../library.hpp"
+#include "../measure.hpp"
 #include "../points.hpp"
 #include "../stats.hpp"
 #include "../timing.hpp"
@@ -158,9 +159,50 @@ void on_two_threads(const std::string &key, const Subjects &of, const std::vecto
     print(key + "_times_faster_on_2_threads_of_the_caller", least[0] / least[2]);
 }
 
+// A field of three levels beside that of one grid, at points all over the box and at some of its surface, where its cells are short.
+void refined(const Data &data, const Subjects &of, std::size_t n, int rounds) {
+    const Mesh mesh = read_mesh(data("stanford/armadillo_cgal.off"));
+    const Cloud cloud = sample(mesh, 50000);
+    ko_fit_options options = options_of();
+    options.max_error = 3e-3;
+    options.tolerance = 1e-3;
+    const Field field = fit(cloud, options);
+    const ko_fit_report report = report_of(field);
+    print("speed_refined_levels", static_cast<double>(report.n_levels));
+    print("speed_refined_control_points", static_cast<double>(report.n_unknowns));
+    print("speed_refined_megabytes", report.bytes / 1e6, "MB");
+    std::vector<double> in_box = uniform_points(n), at_surface = draw_by_area(facets_of(mesh), n, /*seed*/ 3).points;
+    for (std::size_t i = 0; i < in_box.size(); ++i) {
+        const std::size_t a = i % 3;
+        const double part = (in_box[i] - LOWER[a]) / (UPPER[a] - LOWER[a]);
+        in_box[i] = report.box_min[a] + part * (report.box_max[a] - report.box_min[a]);
+    }
+    const std::vector<double> plain = uniform_points(n);
+    const Pinned pinned;
+    Room room(n);
+    for (const auto &[where, points] : {std::pair{"in_box", &in_box}, std::pair{"at_surface", &at_surface}}) {
+        std::vector<std::function<void()>> works;
+        // As many points of each.
+        const std::size_t count = std::min(n, points->size() / 3);
+        for (int order = 0; order < 3; ++order)
+            for (const auto &[phi, at] : {std::pair{&of.field, &plain}, std::pair{&field, points}})
+                works.emplace_back([&room, order, phi = phi, at = at, count] {
+                    check(ko_field_eval(phi->get(), at->data(), count, room.values.data(), room.gradients_of(order),
+                                        room.hessians_of(order)),
+                          "ko_field_eval");
+                });
+        const std::vector<double> least = least_times(works, count, rounds);
+        for (std::size_t order = 0; order < 3; ++order) {
+            const std::string name = std::string("speed_refined_") + where + "_" + ORDERS[order];
+            print(name, least[2 * order + 1], "ns/point");
+            print(name + "_over_one_grid", least[2 * order + 1] / least[2 * order]);
+        }
+    }
+}
+
 }  // namespace
 
-void speed(const Data &) {
+void speed(const Data &data) {
     print("speed_floor_flags", std::string(BENCH_FLOOR_FLAGS));
     constexpr std::size_t FEW = 100000, MANY = 1000000;
     {
@@ -171,6 +213,7 @@ void speed(const Data &) {
         beside_floor("speed_in_cache_path", small, path_points(FEW), 60);
         print_count("speed_threads_points", MANY);
         on_two_threads("speed_in_cache", small, uniform_points(MANY), 20);
+        refined(data, small, FEW, 20);
     }
     const Subjects large(OUT_OF_CACHE);
     const std::vector<double> points = uniform_points(MANY);
