@@ -219,6 +219,8 @@ void print_accuracy(const Fitted &fitted, const Place &place, const Folder *crat
     const std::string key = "peers_" + place.name + "_off_exact_";
     print_errors(key + "keepout", phi, exact, D);
     print_errors(key + "keepout_mesh_signed_distance", signed_distances(fitted.mesh, place.points), exact, D);
+    // The kernel by hand was the last to write there.
+    if (has_floor()) print_errors("peers_" + place.name + "_by_hand_off_keepout", place.values, phi, D);
     if (!crates) return;
     const auto found = [&](const char *by) { return crates->read(place.name + "_" + by, exact.size()); };
     for (const char *by : {"parry", "interpn_cubic_of_phi", "interpn_cubic_of_distances"}) print_errors(key + by, found(by), exact, D);
