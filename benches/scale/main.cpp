@@ -4,5 +4,6 @@
 
 int main(int argc, char **argv) {
     using namespace bench;
-    return run_subjects("scale", argc, argv, {{"speed", speed}, {"fits", fits}, {"accuracy", accuracy}}, {"million-only", million_only});
+    return run_subjects("scale", argc, argv, {{"speed", speed}, {"peers", peers}, {"fits", fits}, {"accuracy", accuracy}},
+                        {"million-only", million_only});
 }

@@ -9,6 +9,9 @@ namespace bench {
 // Nanoseconds of an evaluation beside a kernel by hand, in and out of cache, and on two threads.
 void speed(const Data &data);
 
+// Nanoseconds of an evaluation of a fitted field, and its accuracy, beside CGAL, parry3d-f64, interpn and the kernel by hand.
+void peers(const Data &data);
+
 // Seconds and iterations of fits at the paper's sizes, how they grow, and where data are stiff.
 void fits(const Data &data);
 
