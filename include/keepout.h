@@ -979,8 +979,9 @@ int32_t ko_field_copy_control_points(const struct ko_field *field,
  * `hessians` by rows of the upper triangle, in space [6 * n_points], xx xy xz yy yz zz, in the plane [3 * n_points], xx xy yy.
  *
  * Each output may be NULL. Analytic derivatives of (5). Outside the box, where (5) ends, the field goes on, C2 and growing like a
- * distance: with t the distance beyond a face along an axis, l a quarter of the cell's edge there, s = l tanh(t / l), P the boundary
- * cell's polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the faces,
+ * distance: with t the distance beyond a face along an axis, l a quarter of the edge of the shortest cells on faces, s = l tanh(t / l), P
+ * the boundary cell's polynomial, r the length of the vector of t - s over the axes, L the box's diagonal and m the mean of phi over the
+ * faces,
  *     phi = m + (P(face + s) - m) L^2 / (L^2 + r^2) + sigma r.
  * sigma is the sign of m: for a closed shape +1 when feasible is outside, -1 when it is inside, so |phi| grows on the way out, and the
  * gradient tends to length 1. Where |m| is at most half the mean of |phi| on the faces (a sheet that reaches the box), m = 0 and
@@ -988,7 +989,7 @@ int32_t ko_field_copy_control_points(const struct ko_field *field,
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
  * unspecified then.
  * Threads: any number at once. Cost: 10 to 20 ns a point with gradient on one thread where the field fits into a cache, twice that without
- * AVX2; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to 200 ns a point. There points that lie near each
+ * AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to 200 ns a point. There points that lie near each
  * other in space should do so in the batch: brick after brick of 16 cells a point takes half as long.
  */
 int32_t ko_field_eval(const struct ko_field *field,

@@ -54,7 +54,7 @@ pub struct FitOptions {
     pub reweighting: Reweighting,
     /// Rounds in which points are weighted anew. 0 is the paper's fit; a robust one weighs them once all the same.
     pub reweightings: u32,
-    /// Largest error on the surface, in D, until which cells are refined where it is larger: see [`refined`](super::refined). 0: one grid.
+    /// Largest error on the surface, in D, until which cells are refined where it is larger: see `field::refined`. 0: one grid.
     pub max_error: f64,
     /// Control points that refinement may take.
     pub max_unknowns: u64,

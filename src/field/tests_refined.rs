@@ -345,3 +345,44 @@ fn normals_that_cancel_out_are_refused() {
     let end = Field::fit(&both, &FitOptions { max_error: 1e-3, ..options(0.0) }, &mut Progress::silent());
     assert!(matches!(end, Err(Error::Degenerate(_))), "{end:?}");
 }
+
+#[test]
+fn files_gone_bad_are_refused_wherever_they_are_cut_and_whatever_they_claim() {
+    let plate = cloud(rectangle([0.0; 2], [2.0, 1.0]).unwrap(), 400);
+    let field = fit(&plate, &FitOptions { max_error: 2e-3, control_points: [8; 3], ..options(0.0) });
+    let path = std::env::temp_dir().join(format!("keepout_spoiled_{}.kof", std::process::id()));
+    field.save(&path).unwrap();
+    let good = std::fs::read(&path).unwrap();
+    let n_cuts = u64::from_le_bytes(good[160..168].try_into().unwrap()) as usize;
+    assert!(n_cuts > 1 && field.is_refined());
+    let refused = |bytes: &[u8]| {
+        std::fs::write(&path, bytes).unwrap();
+        let end = Field::<2>::load(&path);
+        assert!(matches!(end, Err(Error::Format { .. })), "{end:?}");
+    };
+    for n in (0..good.len()).step_by(7).chain([160, 161, 167, 168, good.len() - 1]) {
+        refused(&good[..n]);
+    }
+    // With a checksum that fits: a cut of no tile, of one twice, of one beyond the box; counts that are not the file's; half a number.
+    let crafted = |at: usize, bytes: &[u8]| {
+        let mut crafted = good[..good.len() - 4].to_vec();
+        crafted.splice(at..at + bytes.len(), bytes.iter().copied());
+        let sum = crc32fast::hash(&crafted);
+        crafted.extend(sum.to_le_bytes());
+        refused(&crafted);
+    };
+    crafted(168, &u32::MAX.to_le_bytes());
+    crafted(172, &good[168..172]);
+    for n in [0, n_cuts as u64 - 1, n_cuts as u64 + 1, u64::MAX] {
+        crafted(160, &n.to_le_bytes());
+    }
+    crafted(16, &[7]);
+    crafted(8, &[1]);
+    crafted(good.len() - 12, &f64::NAN.to_le_bytes());
+    let mut longer = good[..good.len() - 4].to_vec();
+    longer.extend([0; 4]);
+    let sum = crc32fast::hash(&longer);
+    longer.extend(sum.to_le_bytes());
+    refused(&longer);
+    std::fs::remove_file(&path).unwrap();
+}
