@@ -180,20 +180,20 @@ void refined(const Data &data, const Subjects &of, std::size_t n, int rounds) {
     const std::vector<double> plain = uniform_points(n);
     const Pinned pinned;
     Room room(n);
-    for (const auto &[where, points] : {std::pair{"in_box", &in_box}, std::pair{"at_surface", &at_surface}}) {
+    for (const bool all_over : {true, false}) {
+        const std::vector<double> &points = all_over ? in_box : at_surface;
+        const std::size_t count = std::min(n, points.size() / 3);
         std::vector<std::function<void()>> works;
-        // As many points of each.
-        const std::size_t count = std::min(n, points->size() / 3);
         for (int order = 0; order < 3; ++order)
-            for (const auto &[phi, at] : {std::pair{&of.field, &plain}, std::pair{&field, points}})
-                works.emplace_back([&room, order, phi = phi, at = at, count] {
-                    check(ko_field_eval(phi->get(), at->data(), count, room.values.data(), room.gradients_of(order),
-                                        room.hessians_of(order)),
+            for (const bool one_grid : {true, false})
+                works.emplace_back([&, order, one_grid] {
+                    check(ko_field_eval(one_grid ? of.field.get() : field.get(), one_grid ? plain.data() : points.data(), count,
+                                        room.values.data(), room.gradients_of(order), room.hessians_of(order)),
                           "ko_field_eval");
                 });
         const std::vector<double> least = least_times(works, count, rounds);
         for (std::size_t order = 0; order < 3; ++order) {
-            const std::string name = std::string("speed_refined_") + where + "_" + ORDERS[order];
+            const std::string name = std::string("speed_refined_") + (all_over ? "in_box_" : "at_surface_") + ORDERS[order];
             print(name, least[2 * order + 1], "ns/point");
             print(name + "_over_one_grid", least[2 * order + 1] / least[2 * order]);
         }
