@@ -67,8 +67,8 @@ pub fn marks<const D: usize>(
     Ok(marks)
 }
 
-/// A tile, or, shifted, one that begins in the middle of tiles: its level, and its place.
-type Window<const D: usize> = (u32, bool, [u32; D]);
+/// A tile, or, shifted, one that begins in the middle of tiles: twice its level, and 1 more where it is shifted; and its place.
+type Window<const D: usize> = (u32, [u32; D]);
 
 /// Sums of the points' normals in tiles.
 struct NormalSums<const D: usize> {
@@ -80,7 +80,7 @@ impl<const D: usize> NormalSums<D> {
     /// The tile of a point given in cells of the grid, and the shifted one: parts that face each other across a tile's face are in that.
     fn windows(level: u32, xi: &[f64; D]) -> [Window<D>; 2] {
         let per_tile = f64::from(1u32 << level) / SIDE as f64;
-        [(false, 0.0), (true, 0.5)].map(|(shifted, by)| (level, shifted, xi.map(|x| (x * per_tile + by) as u32)))
+        [(0, 0.0), (1, 0.5)].map(|(shifted, by)| (2 * level + shifted, xi.map(|x| (x * per_tile + by) as u32)))
     }
 
     fn add(&mut self, level: u32, xi: &[f64; D], normal: [f64; D]) {
