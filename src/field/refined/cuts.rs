@@ -29,16 +29,17 @@ pub struct Mark<const D: usize> {
     pub excess: f64,
 }
 
-/// Marks the points that the surface misses by more than `max_error`, in units of D, and those of thin parts; the worst first.
+/// Marks the points that the surface misses by more than `max_error`, in units of D; and, but where `strays` is empty, points of thin parts
+/// and the tiles for which it is true. The worst come first.
 pub fn marks<const D: usize>(
     energy: &RefinedEnergy<D>,
     misfits: &[Misfit],
-    strays: Option<&[bool]>,
+    strays: &[bool],
     max_error: f64,
 ) -> Result<Vec<Mark<D>>> {
     let (tree, data) = (energy.tree(), energy.data());
     let longest = tree.grid().longest_cell();
-    let may_be_thin = |level: u32| strays.is_some() && longest * 0.5f64.powi(level as i32) > THIN * max_error;
+    let may_be_thin = |level: u32| !strays.is_empty() && longest * 0.5f64.powi(level as i32) > THIN * max_error;
     let leaves = || tree.tiles().iter().enumerate().filter(|(_, t)| t.is_leaf());
     let mut sums = NormalSums { of_tile: HashMap::new() };
     for (tile, t) in leaves().filter(|(_, t)| may_be_thin(t.level)) {
@@ -58,7 +59,7 @@ pub fn marks<const D: usize>(
             }
         }
     }
-    for (_, t) in leaves().filter(|(i, t)| strays.is_some_and(|s| s[*i]) && may_be_thin(t.level)) {
+    for (_, t) in leaves().filter(|(i, t)| strays.get(*i) == Some(&true) && may_be_thin(t.level)) {
         let per_tile = SIDE as f64 / f64::from(1u32 << t.level);
         let at = t.place.map(|p| (f64::from(p) + 0.5) * per_tile);
         marks.push(Mark { at, level: t.level, excess: 1.0 });

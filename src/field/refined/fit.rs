@@ -112,8 +112,8 @@ impl<const D: usize> Fitting<'_, '_, D> {
         if self.options.max_error == 0.0 || self.full {
             return Ok(None);
         }
-        let strays = looks_everywhere.then(|| self.energy.strays(self.workers, x, sign, STRAY)).transpose()?;
-        let marks = marks(&self.energy, &self.misfits, strays.as_deref(), self.options.max_error)?;
+        let strays = if looks_everywhere { self.energy.strays(self.workers, x, sign, STRAY)? } else { Vec::new() };
+        let marks = marks(&self.energy, &self.misfits, &strays, self.options.max_error)?;
         // As many of them, the worst first, as the limits leave room for.
         let mut n = marks.len();
         while n > 0 {
