@@ -33,6 +33,21 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static COUNTING: Counting = Counting;
 
+/// A fit to `n_points` samples of `mesh`, and the most bytes that it and its cloud took.
+fn fit_counted<const D: usize>(
+    mesh: &Mesh<D>,
+    n_points: usize,
+    options: &FitOptions,
+) -> (Result<Field<D>, Error>, u64) {
+    let before = TAKEN.load(Ordering::Relaxed);
+    let cloud = mesh.sample(n_points, 1).unwrap();
+    // As from arrays, without what tells the samples' triangles.
+    let cloud = Cloud::new(cloud.points().to_vec(), cloud.normals().to_vec()).unwrap();
+    MOST.store(TAKEN.load(Ordering::Relaxed), Ordering::Relaxed);
+    let end = Field::fit(&cloud, options, &mut Progress::silent());
+    (end, (MOST.load(Ordering::Relaxed) - before) as u64)
+}
+
 /// Fits to `n_points` samples of `mesh` stay within limits from the least that is needed to the least with which a multigrid fits.
 fn check<const D: usize>(mesh: &Mesh<D>, n_points: usize, control_points: [u32; 3]) {
     let least = fit::memory(n_points as u128, std::array::from_fn::<u128, D, _>(|a| control_points[a].into())) as u64;
@@ -57,13 +72,7 @@ fn stays_within<const D: usize>(limit: u64, mesh: &Mesh<D>, n_points: usize, con
             memory_limit: limit,
             ..FitOptions::default()
         };
-        let before = TAKEN.load(Ordering::Relaxed);
-        let cloud = mesh.sample(n_points, 1).unwrap();
-        // As from arrays, without what tells the samples' triangles.
-        let cloud = Cloud::new(cloud.points().to_vec(), cloud.normals().to_vec()).unwrap();
-        MOST.store(TAKEN.load(Ordering::Relaxed), Ordering::Relaxed);
-        let end = Field::fit(&cloud, &options, &mut Progress::silent());
-        let taken = (MOST.load(Ordering::Relaxed) - before) as u64;
+        let (end, taken) = fit_counted(mesh, n_points, &options);
         assert!(taken <= limit, "{control_points:?}, {n_points} points: {taken} bytes of {limit}");
         match end {
             Ok(_) => true,
@@ -87,12 +96,8 @@ fn check_refining<const D: usize>(mesh: &Mesh<D>, n_points: usize, megabytes: [u
             memory_limit: limit,
             ..FitOptions::default()
         };
-        let before = TAKEN.load(Ordering::Relaxed);
-        let cloud = mesh.sample(n_points, 1).unwrap();
-        let cloud = Cloud::new(cloud.points().to_vec(), cloud.normals().to_vec()).unwrap();
-        MOST.store(TAKEN.load(Ordering::Relaxed), Ordering::Relaxed);
-        let field = Field::fit(&cloud, &options, &mut Progress::silent()).unwrap();
-        let taken = (MOST.load(Ordering::Relaxed) - before) as u64;
+        let (end, taken) = fit_counted(mesh, n_points, &options);
+        let field = end.unwrap();
         assert!(
             taken <= limit && field.is_refined(),
             "{n_points} points: {taken} bytes of {limit}, {:?}",

@@ -76,26 +76,35 @@ Counts counts_of(const std::vector<double> &vertices, double n) {
     }
 }
 
-// A fit that refines: all options but these are the defaults.
-void refined(const std::string &shape, const Cloud &cloud, const SurfacePoints &held_out, double max_error) {
-    ko_fit_options options = options_of({0, 0, 0});
-    options.max_error = max_error;
-    options.tolerance = REFINED_TOLERANCE;
+// Prints how far the field fitted with `options` is from the held-out points, under the key that `key_of` has for its report.
+template <class KeyOf>
+ko_fit_report measured(const Cloud &cloud, const ko_fit_options &options, const SurfacePoints &held_out, const KeyOf &key_of) {
     Field field;
     Figures found{};
     found.seconds = processor_seconds([&] { field = fit(cloud, options); });
     const OnSurface errors = on_surface(field, held_out.points);
     found.rms = errors.distance.rms(), found.max = errors.distance.max();
     const ko_fit_report report = report_of(field);
+    const std::string key = key_of(report);
+    print_figures(key, found);
+    print(key + "_mean_gradient", errors.mean_gradient);
+    return report;
+}
+
+// A fit that refines: all options but these are the defaults.
+void refined(const std::string &shape, const Cloud &cloud, const SurfacePoints &held_out, double max_error) {
+    ko_fit_options options = options_of({0, 0, 0});
+    options.max_error = max_error;
+    options.tolerance = REFINED_TOLERANCE;
     char name[16];
     std::snprintf(name, sizeof name, "%.0e", max_error);
     const std::string key = "accuracy_" + shape + "_refined_" + name;
-    print_figures(key, found);
+    const ko_fit_report report = measured(cloud, options, held_out, [&](const ko_fit_report &) { return key; });
     print(key + "_max_at_the_points", report.max, "D");
     print(key + "_control_points", static_cast<double>(report.n_unknowns));
     print(key + "_levels", static_cast<double>(report.n_levels));
+    print_count(key + "_iterations", report.iterations);
     print(key + "_megabytes", report.bytes / 1e6, "MB");
-    print(key + "_mean_gradient", errors.mean_gradient);
 }
 
 }  // namespace
@@ -113,15 +122,9 @@ void accuracy(const Data &data) {
             ko_fit_options options = options_of(counts_of(facets.vertices, n));
             options.lambda_normal = LAMBDA_NORMAL;
             options.lambda_smooth = LAMBDA_SMOOTH;
-            Field field;
-            Figures found{};
-            found.seconds = processor_seconds([&] { field = fit(cloud, options); });
-            const OnSurface errors = on_surface(field, held_out.points);
-            found.rms = errors.distance.rms(), found.max = errors.distance.max();
-            const ko_fit_report report = report_of(field);
-            const std::string key = std::string("accuracy_") + shape.key + "_" + std::to_string(report.n_unknowns);
-            print_figures(key, found);
-            print(key + "_mean_gradient", errors.mean_gradient);
+            measured(cloud, options, held_out, [&](const ko_fit_report &report) {
+                return std::string("accuracy_") + shape.key + "_" + std::to_string(report.n_unknowns);
+            });
         }
         for (const double max_error : {2e-3, 1e-3, 8e-4}) refined(shape.key, cloud, held_out, max_error);
         print_figures(std::string("accuracy_") + shape.key + "_poisson", shape.poisson);

@@ -77,8 +77,18 @@ impl<const D: usize> Data<D> {
             let total: f64 = data.share.iter().sum();
             data.share.iter_mut().for_each(|s| *s /= total);
         }
-        data.mass.iter_mut().zip(&data.share).for_each(|(m, s)| *m = Mass { value: *s, gradient: *s });
+        data.reset_weights();
         Ok(data)
+    }
+
+    /// Makes each point count for its share.
+    pub(super) fn reset_weights(&mut self) {
+        self.mass.iter_mut().zip(&self.share).for_each(|(m, s)| *m = Mass { value: *s, gradient: *s });
+    }
+
+    /// Multiplies what the value of each point counts for by a factor of its own.
+    pub(super) fn reweight(&mut self, factors: impl Iterator<Item = f64>) {
+        self.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
     }
 }
 
@@ -233,7 +243,7 @@ impl<const D: usize> DataTerm<D> {
 
     /// Multiplies what the value of each point counts for by a factor of its own.
     pub fn reweight(&mut self, factors: impl Iterator<Item = f64>) {
-        self.data.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
+        self.data.reweight(factors);
     }
 
     /// Makes each point count for its share times a factor of its own.

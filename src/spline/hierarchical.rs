@@ -185,6 +185,7 @@ impl<const D: usize> Space<D> {
     }
 
     /// Place in a vector of function `f` of `level`, where a tile has it.
+    #[cfg(test)]
     pub fn index(&self, level: u32, f: [usize; D]) -> Option<usize> {
         let number = self.numbers.get(&(level, f.map(|f| (f / SIDE) as u32)))?;
         Some(f.iter().fold(*number as usize, |at, f| SIDE * at + f % SIDE))

@@ -150,16 +150,21 @@ impl<const D: usize> Tree<D> {
     }
 
     /// The tile at `place` of `level`, where there is one.
-    pub fn find(&self, level: u32, place: [u32; D]) -> Option<usize> {
+    #[cfg(test)]
+    fn find(&self, level: u32, place: [u32; D]) -> Option<usize> {
         self.holder(level, place).filter(|&i| self.tiles[i].level == level)
     }
 
-    /// Calls `visit(tile, true)` on the way into `tile` and into all its parts, and `visit(tile, false)` on the way out, parts in order.
-    pub fn walk(&self, tile: usize, visit: &mut impl FnMut(usize, bool)) {
+    /// Calls `visit(tile, true)` on the way into each tile, then for its parts in order, and `visit(tile, false)` on the way out.
+    pub fn walk(&self, mut visit: impl FnMut(usize, bool)) {
+        (0..self.roots.iter().product()).for_each(|root| self.walk_from(root, &mut visit));
+    }
+
+    fn walk_from(&self, tile: usize, visit: &mut impl FnMut(usize, bool)) {
         visit(tile, true);
         let Tile { child, .. } = self.tiles[tile];
         if child != 0 {
-            (0..1_usize << D).for_each(|part| self.walk(child as usize + part, visit));
+            (0..1_usize << D).for_each(|part| self.walk_from(child as usize + part, visit));
         }
         visit(tile, false);
     }

@@ -1,4 +1,4 @@
-//! Where to refine: where the surface misses points by more than it may, and where parts are thin.
+//! Where to refine: where the surface misses points by more than it may, where parts are thin, and where phi is far from the distances held.
 
 use super::super::data::Misfit;
 use super::energy::RefinedEnergy;
@@ -26,7 +26,7 @@ pub struct Mark<const D: usize> {
     at: [f64; D],
     level: u32,
     /// How many times as large as wanted the error is.
-    pub excess: f64,
+    excess: f64,
 }
 
 /// Marks the points that the surface misses by more than `max_error`, in units of D; and, but where `strays` is empty, points of thin parts

@@ -1,6 +1,6 @@
 //! The energy (10) on hierarchical splines: a sum over the leaves of the tree, in each of which phi is a spline of one level.
 
-use super::super::data::{Data, Mass, Misfit};
+use super::super::data::{Data, Misfit};
 use super::super::distance::CLEAR;
 use super::super::distance_sampler::{DistanceSampler, Hint};
 use super::super::energy::{self, EnergyWeights};
@@ -61,7 +61,7 @@ pub struct RefinedEnergy<const D: usize> {
     pub(super) far: Option<Far<D>>,
     /// What each tile adds to a product.
     tables: Vec<f64>,
-    /// A vector of control points.
+    /// A vector of control points: what was unfolded, or room.
     pub(super) scratch: Vec<f64>,
     diagonal: Vec<f64>,
 }
@@ -200,16 +200,14 @@ impl<const D: usize> RefinedEnergy<D> {
             points[leaf_index].end += 1;
         }
         let mut at = 0;
-        for root in 0..tiles.iter().take_while(|t| t.level == 0).count() {
-            self.tree.walk(root, &mut |tile, entering| {
-                if entering {
-                    points[tile] = at..at + points[tile].end;
-                    at = points[tile].end;
-                } else {
-                    points[tile].end = at;
-                }
-            });
-        }
+        self.tree.walk(|tile, entering| {
+            if entering {
+                points[tile] = at..at + points[tile].end;
+                at = points[tile].end;
+            } else {
+                points[tile].end = at;
+            }
+        });
         let mut next: Vec<usize> = points.iter().map(|p| p.start).collect();
         let mut order = try_vec(n, 0u32, "the order of the points")?;
         for (i, leaf) in leaf_of.iter().enumerate() {
@@ -292,7 +290,7 @@ impl<const D: usize> RefinedEnergy<D> {
         Ok(b)
     }
 
-    /// [`Error::Degenerate`] where the normals ask for nothing.
+    /// An error where the normals ask for nothing.
     pub fn check_normals(&mut self, workers: &Workers) -> Result<()> {
         let mut b = try_vec(self.space.n_numbers(), 0.0, "the right-hand side")?;
         self.by_leaf(workers, &mut b, RightHandSide { sign: 1.0, held: false });
@@ -308,7 +306,13 @@ impl<const D: usize> RefinedEnergy<D> {
         self.tables = tables;
     }
 
-    /// Sums what `term` gives for each leaf.
+    /// Puts into `scratch` what the control points `x` are on the knots of each tile.
+    fn unfold(&mut self, workers: &Workers, x: &[f64]) {
+        self.scratch.copy_from_slice(x);
+        self.space.accumulate(workers, &mut self.scratch);
+    }
+
+    /// Sums what `term` gives for each leaf; `scratch` is lost.
     fn by_leaf(&mut self, workers: &Workers, y: &mut [f64], term: impl LeafTerm<D>) {
         let mut tables = std::mem::take(&mut self.tables);
         self.fill_tables(workers, &mut tables, Tile::is_leaf, term);
@@ -332,20 +336,17 @@ impl<const D: usize> RefinedEnergy<D> {
 
     /// How far each point is from what the data ask for; `x` are control points. See [`DataTerm`](super::super::data::DataTerm::misfits).
     pub fn misfits(&mut self, workers: &Workers, x: &[f64], sign: f64, flattest: f64, misfits: &mut [Misfit]) {
-        self.scratch.copy_from_slice(x);
-        self.space.accumulate(workers, &mut self.scratch);
+        self.unfold(workers, x);
         // By leaf: the points of one after those of another.
         let mut rest = misfits;
         let mut items = Vec::new();
-        for root in 0..self.tree.tiles().iter().take_while(|t| t.level == 0).count() {
-            self.tree.walk(root, &mut |tile, entering| {
-                if entering && self.tree.tiles()[tile].is_leaf() && !self.points[tile].is_empty() {
-                    let (own, behind) = std::mem::take(&mut rest).split_at_mut(self.points[tile].len());
-                    rest = behind;
-                    items.push((tile, own));
-                }
-            });
-        }
+        self.tree.walk(|tile, entering| {
+            if entering && self.tree.tiles()[tile].is_leaf() && !self.points[tile].is_empty() {
+                let (own, behind) = std::mem::take(&mut rest).split_at_mut(self.points[tile].len());
+                rest = behind;
+                items.push((tile, own));
+            }
+        });
         workers.for_each(items, |(tile, misfits)| {
             dispatch(Misfits { energy: self, tile, sign, flattest, misfits });
         });
@@ -358,8 +359,7 @@ impl<const D: usize> RefinedEnergy<D> {
         if self.far.is_none() {
             return Ok(strays);
         }
-        self.scratch.copy_from_slice(x);
-        self.space.accumulate(workers, &mut self.scratch);
+        self.unfold(workers, x);
         workers.for_each(strays.chunks_mut(CHUNK).enumerate(), |(chunk, strays)| {
             dispatch(Strays { energy: self, first: chunk * CHUNK, sign, most, strays });
         });
@@ -368,19 +368,18 @@ impl<const D: usize> RefinedEnergy<D> {
 
     /// Multiplies what the value of each point counts for by a factor of its own.
     pub fn reweight(&mut self, factors: impl Iterator<Item = f64>) {
-        self.data.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
+        self.data.reweight(factors);
     }
 
     /// Makes each point count for its share again.
     pub fn reset_weights(&mut self) {
-        let Data { share, mass, .. } = &mut self.data;
-        mass.iter_mut().zip(share).for_each(|(m, s)| *m = Mass { value: *s, gradient: *s });
+        self.data.reset_weights();
     }
 
     /// The cell of `tile` that holds point `p`, and the place in it.
     #[inline(always)]
     pub(super) fn place(&self, tile: &Tile<D>, cells: &[usize; D], p: usize) -> (Stencil<D>, [f64; D]) {
-        let per_cell = (1u32 << tile.level) as f64;
+        let per_cell = f64::from(1u32 << tile.level);
         let strides = strides::<D>();
         let (mut first, mut u) = (0, [0.0; D]);
         for a in 0..D {
@@ -399,15 +398,8 @@ fn permute<T: Copy>(x: &mut Vec<T>, order: &[u32]) {
 
 impl<const D: usize> cg::System for RefinedEnergy<D> {
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
-        let mut c = std::mem::take(&mut self.scratch);
-        c.copy_from_slice(x);
-        self.space.accumulate(workers, &mut c);
-        let mut tables = std::mem::take(&mut self.tables);
-        self.fill_tables(workers, &mut tables, Tile::is_leaf, Product { c: &c });
-        let tiles = self.tree.tiles();
-        self.space.sum_tables(workers, &tables, |t| tiles[t].is_leaf(), y);
-        self.space.restrict(workers, y, &mut c);
-        (self.scratch, self.tables) = (c, tables);
+        self.unfold(workers, x);
+        self.by_leaf(workers, y, Product);
     }
 
     fn precondition(&mut self, _: &Workers, r: &[f64], z: &mut [f64]) {

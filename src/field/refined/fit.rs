@@ -38,7 +38,7 @@ struct Fitting<'a, 'b, const D: usize> {
     progress: &'a mut Progress<'b>,
     /// The fraction of the work that is done.
     done: f64,
-    /// Whether a limit left no room for all that was to be cut.
+    /// Whether no more is to be cut: a limit left no room for all that was to be.
     full: bool,
 }
 
@@ -72,7 +72,9 @@ pub fn fit<const D: usize>(
     fitting.report.seconds_assembly += fitting.lap();
 
     for round in 1..=MOST_ROUNDS {
-        x = fitting.solve_roughly(x, 0.3)?;
+        // What comes out must be solved to the end.
+        fitting.full |= round == MOST_ROUNDS;
+        x = fitting.solve(x, true, 0.3)?;
         let mut further = fitting.refine(&x, true)?;
         for reweighting in 1..=options.reweightings.max(1) {
             if further.is_some() {
@@ -81,14 +83,11 @@ pub fn fit<const D: usize>(
             if options.reweightings > 0 {
                 fitting.energy.reweight(reweight::factors(&fitting.misfits));
             }
-            x = if reweighting < options.reweightings {
-                fitting.solve_roughly(x, 0.3)?
-            } else {
-                fitting.solve(x, options.tolerance, 0.6)?
-            };
+            let is_last = reweighting >= options.reweightings;
+            x = fitting.solve(x, !is_last, if is_last { 0.6 } else { 0.3 })?;
             further = fitting.refine(&x, false)?;
         }
-        let Some((tree, space)) = further.filter(|_| round < MOST_ROUNDS) else { break };
+        let Some((tree, space)) = further else { break };
         x = fitting.energy.refine(tree, space, &x, workers)?;
         fitting.energy.reset_weights();
         fitting.report.seconds_assembly += fitting.lap();
@@ -132,23 +131,17 @@ impl<const D: usize> Fitting<'_, '_, D> {
         Ok(None)
     }
 
-    /// Solves until the residual is lower by [`ROUGH`], or by all the digits where the caller asks for them.
-    fn solve_roughly(&mut self, x: Vec<f64>, part: f64) -> Result<Vec<f64>> {
-        let wanted = self.options.tolerance;
-        if reweight::rough_tolerance(wanted) == wanted {
-            return self.solve(x, wanted, part);
+    /// Solves A x = b from `x` on, to the tolerance, or `roughly`: until the residual is lower by [`ROUGH`], where the caller does not ask
+    /// for so many digits that all are needed. This is `part` of the work that is left.
+    fn solve(&mut self, x: Vec<f64>, roughly: bool, part: f64) -> Result<Vec<f64>> {
+        let b = self.energy.right_hand_side(self.workers, self.options.feasible.sign())?;
+        let mut tolerance = self.options.tolerance;
+        if roughly && reweight::rough_tolerance(tolerance) != tolerance {
+            let mut r = try_vec(b.len(), 0.0, "the residual")?;
+            cg::System::apply(&mut self.energy, self.workers, &x, &mut r);
+            update(self.workers, &mut r, &b, |b, r| b - r);
+            tolerance = tolerance.max(ROUGH * norm(self.workers, &r) / norm(self.workers, &b));
         }
-        let b = self.energy.right_hand_side(self.workers, self.options.feasible.sign())?;
-        let mut r = try_vec(b.len(), 0.0, "the residual")?;
-        cg::System::apply(&mut self.energy, self.workers, &x, &mut r);
-        update(self.workers, &mut r, &b, |b, r| b - r);
-        let residual = norm(self.workers, &r) / norm(self.workers, &b);
-        self.solve(x, (ROUGH * residual).max(wanted), part)
-    }
-
-    /// Solves A x = b from `x` on to `tolerance`, which is `part` of the work that is left.
-    fn solve(&mut self, x: Vec<f64>, tolerance: f64, part: f64) -> Result<Vec<f64>> {
-        let b = self.energy.right_hand_side(self.workers, self.options.feasible.sign())?;
         self.energy.renew_diagonal(self.workers);
         let max_iterations = (self.options.max_iterations - self.report.iterations) as usize;
         let stop = Stop { tolerance, max_iterations, patience: None };

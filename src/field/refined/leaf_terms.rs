@@ -43,18 +43,16 @@ impl<const D: usize, C: Fn(&Tile<D>) -> bool, T: LeafTerm<D>> Kernel for Tables<
 
 /// The product with the control points in `scratch`.
 #[derive(Clone, Copy)]
-pub(super) struct Product<'a> {
-    pub c: &'a [f64],
-}
+pub(super) struct Product;
 
-impl<const D: usize> LeafTerm<D> for Product<'_> {
+impl<const D: usize> LeafTerm<D> for Product {
     #[inline(always)]
     fn add<I: Isa>(self, energy: &RefinedEnergy<D>, index: usize, y: &mut [f64]) {
         let tile = &energy.tree.tiles()[index];
         let (level, cells) = (&energy.levels[tile.level as usize], energy.tree.cells(tile));
         let mut x = [0.0; LARGEST_TABLE];
         let x = &mut x[..per_table::<D>()];
-        energy.space.gather(index, self.c, x);
+        energy.space.gather(index, &energy.scratch, x);
         level.gram.add_product::<I>(cells, x, y);
         if let Some(far) = &energy.far {
             let n = per_pack::<D>();
