@@ -58,12 +58,15 @@ static bool fit(const struct options *options, struct job *job)
         return false;
     for (int k = 0; k < 3; ++k)
         fit.control_points[k] = options->control_points[k];
+    fit.max_error = options->max_error;
     fit.feasible = options->inside ? KO_FEASIBLE_INSIDE : KO_FEASIBLE_OUTSIDE;
     fit.n_threads = options->threads;
     fit.progress = progress_show;
     fit.progress_data = &progress;
     const int32_t status = ko_field_fit(job->cloud, &fit, &job->field);
     progress_end(&progress);
+    if (status == KO_BUDGET_REACHED)
+        printf("Warning: the error asked for needs more control points than a fit may take, or finer cells than the points tell.\n");
     return succeeded(status, "fitting") &&
            succeeded(ko_field_get_report(job->field, sizeof job->report, &job->report), "reporting");
 }

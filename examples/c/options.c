@@ -16,6 +16,7 @@ void options_print_help(const struct options *options)
            "probes it and draws a slice of it. Or, in the plane, to closed curves: an airfoil's .dat, boundaries in .yaml, x, y in .csv.\n"
            "  --points N                 points sampled on the surface (%zu)\n"
            "  --control-points NX NY NZ  size of the spline, at least 4 each (chosen by the library); in the plane NZ is ignored\n"
+           "  --max-error E              refine cells until |phi| at the points is E D or less, D the shape's diagonal; 1e-3, say (one grid)\n"
            "  --inside                   the design stays inside the shape: phi > 0 there\n"
            "  --seed S                   seed of the sampling (%" PRIu64 ")\n"
            "  --threads N                threads, 0 for all cores (%" PRIu32 ")\n"
@@ -39,14 +40,28 @@ static bool read_number(const char *text, uint64_t largest, uint64_t *number)
     return true;
 }
 
+/* The library tells what is out of range. */
+static bool read_real(const char *text, double *number)
+{
+    char *end;
+    const double read = strtod(text, &end);
+    /* strtod takes "", " 1", "-1" and "nan" */
+    if (strchr("0123456789.", text[0]) == NULL || end == text || *end != '\0') {
+        fprintf(stderr, "keepout_field: '%s' is not a number from 0 on\n", text);
+        return false;
+    }
+    *number = read;
+    return true;
+}
+
 /* How many arguments follow option `name`; -1 for no option. */
 static int arguments_of(const char *name)
 {
     static const struct {
         const char *name;
         int arguments;
-    } known[] = {{"--points", 1}, {"--control-points", 3}, {"--inside", 0}, {"--seed", 1},
-                 {"--threads", 1}, {"--save", 1}, {"--picture", 1}, {"--help", 0}};
+    } known[] = {{"--points", 1}, {"--control-points", 3}, {"--max-error", 1}, {"--inside", 0},
+                 {"--seed", 1}, {"--threads", 1}, {"--save", 1}, {"--picture", 1}, {"--help", 0}};
     for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i)
         if (strcmp(name, known[i].name) == 0)
             return known[i].arguments;
@@ -66,6 +81,8 @@ static bool take(char **at, struct options *options)
         options->save = at[1];
     } else if (strcmp(name, "--picture") == 0) {
         options->picture = at[1];
+    } else if (strcmp(name, "--max-error") == 0) {
+        return read_real(at[1], &options->max_error);
     } else if (strcmp(name, "--seed") == 0) {
         return read_number(at[1], UINT64_MAX, &options->seed);
     } else if (strcmp(name, "--points") == 0) {

@@ -10,6 +10,7 @@ struct options {
     const char *mesh; /* NULL: the shape that the program makes */
     size_t points;
     uint32_t control_points[3]; /* 0: the library chooses */
+    double max_error; /* fraction of D; 0: one grid */
     bool inside;
     uint64_t seed;
     uint32_t threads; /* 0: all cores */

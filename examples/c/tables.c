@@ -46,10 +46,12 @@ void print_fit_report(const ko_fit_report *report)
     const uint32_t *n = report->control_points;
     printf("\nField, phi > 0 %s the shape\n", report->feasible == KO_FEASIBLE_INSIDE ? "inside" : "outside");
     printf("  points                %" PRIu64 "\n", report->n_points);
-    printf("  control points        %" PRIu64 " (%" PRIu32 " x %" PRIu32, report->n_unknowns, n[0], n[1]);
+    printf("  control points        %" PRIu64 " (%s%" PRIu32 " x %" PRIu32, report->n_unknowns,
+           report->n_levels > 1 ? "coarsest level " : "", n[0], n[1]);
     if (report->dim == 3)
         printf(" x %" PRIu32, n[2]);
     printf(")\n");
+    printf("  levels of cells       %" PRIu64 "\n", report->n_levels);
     printf("  memory held           %.2f MB\n", 1e-6 * (double)report->bytes);
     printf("  iterations, residual  %" PRIu32 ", %.1e\n", report->iterations, report->residual);
     printf("  seconds               %.2f assembly, %.2f solve, %.2f check\n", report->seconds_assembly, report->seconds_solve,
