@@ -21,7 +21,8 @@ void million_only(const Data &data);
 // Distances of held-out points to surfaces, against control points, beside the reconstruction programs'.
 void accuracy(const Data &data);
 
-// Wrong signs around closed shapes, and parts of the zero level set that they have not, of one grid and of refined cells.
+// Wrong signs around closed shapes, parts of the zero level set that they have not, and how far |grad phi| is from 1 away from them, of one
+// grid and of refined cells.
 void sides(const Data &data);
 
 }  // namespace bench
