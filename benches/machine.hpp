@@ -7,6 +7,7 @@
 #include "stats.hpp"
 
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <thread>
 
@@ -19,7 +20,15 @@ inline std::string cpu_model() {
     return "unknown";
 }
 
+inline std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char date[sizeof "2000-01-01"];
+    std::strftime(date, sizeof date, "%Y-%m-%d", std::localtime(&now));
+    return date;
+}
+
 inline void print_machine() {
+    print("machine_date", today());
     print("machine_cpu", cpu_model());
     print_count("machine_cores", std::thread::hardware_concurrency());
     double load = 0;
