@@ -33,6 +33,7 @@ mod cubes;
 mod kuhn;
 mod options;
 mod quality;
+mod queue;
 mod relax;
 mod rings;
 mod roots;
