@@ -148,6 +148,29 @@ static inline ko_mesh *check_frame(void) {
     return mesh;
 }
 
+/* The sphere in space or circle in the plane, of radius 1, squeezed to an edge of about 50 degrees at x = 0: cells are hard put there. */
+static inline ko_cloud *check_lens(uint32_t dim, size_t n) {
+    double *points = dim == 2 ? check_circle_points(n) : check_sphere_points(n);
+    double *normals = (double *)malloc(dim * n * sizeof *normals);
+    for (size_t i = 0; i < n; i++) {
+        double *p = &points[dim * i], *normal = &normals[dim * i], side = p[0] < 0 ? -1.0 : 1.0;
+        memcpy(normal, p, dim * sizeof *p);
+        /* Caps beyond |x| = 0.9, moved together: their rim is the edge. */
+        normal[0] = side * (0.9 + 0.1 * fabs(p[0]));
+        double rest = sqrt(1.0 - normal[0] * normal[0]), length = sqrt(1.0 - p[0] * p[0]);
+        for (uint32_t a = 1; a < dim; a++) {
+            normal[a] = length > 0 ? p[a] / length * rest : 0.0;
+        }
+        memcpy(p, normal, dim * sizeof *p);
+        p[0] -= 0.9 * side;
+    }
+    ko_cloud *cloud = NULL;
+    OK(ko_cloud_from_points(dim, points, normals, n, &cloud));
+    free(points);
+    free(normals);
+    return cloud;
+}
+
 /* Options of a small fit on this thread alone: `n` control points along each axis. */
 static inline ko_fit_options check_options(uint32_t n) {
     ko_fit_options options;

@@ -7,21 +7,25 @@
  * src/field/file.rs. */
 
 #include "check.h"
-#include <unistd.h>
 
 enum { N_POINTS = 60, MOST_NUMBERS = 13, HEADER = 160, CONTROL_POINTS = 8 };
 
-/* A field kept: of the sphere or the circle, named by the version that wrote it first. */
+/* A field kept: of the sphere or the circle, where refined of a lens, named by the version that wrote it first. */
 struct golden {
     const char *name;
     int dim;
     /* Points of its cloud, and control points in all. */
     size_t n_points, n_unknowns;
+    /* Of the fit: 0 for one grid. */
+    double max_error;
+    uint32_t n_levels;
 };
 
 static const struct golden kept[] = {
-    {"field-0.1", 3, 500, CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS},
-    {"field-0.2-plane", 2, 200, CONTROL_POINTS * CONTROL_POINTS},
+    {"field-0.1", 3, 500, CONTROL_POINTS * CONTROL_POINTS * CONTROL_POINTS, 0.0, 1},
+    {"field-0.2-plane", 2, 200, CONTROL_POINTS * CONTROL_POINTS, 0.0, 1},
+    {"field-0.3-refined", 3, 500, 11565, 1e-2, 3},
+    {"field-0.3-refined-plane", 2, 200, 1033, 1e-3, 5},
 };
 enum { N_KEPT = sizeof kept / sizeof *kept };
 
@@ -40,7 +44,7 @@ static int n_numbers(const struct golden *golden) {
 
 /* ---- the file's bytes ---- */
 
-static unsigned char bytes[65536];
+static unsigned char bytes[131072];
 static size_t n_bytes;
 
 static void read_bytes(const char *path) {
@@ -55,6 +59,15 @@ static void read_bytes(const char *path) {
 static void write_bytes(const unsigned char *from, size_t n) {
     FILE *file = fopen(spoiled, "wb");
     CHECK(file != NULL && fwrite(from, 1, n, file) == n && fclose(file) == 0);
+}
+
+/* Bytes that tell of the cuts of a refined field: their number, less than 2^32 here, and their tiles. */
+static size_t cut_bytes(const struct golden *golden) {
+    size_t n = 0;
+    for (int i = 3; i >= 0; i--) {
+        n = n << 8 | bytes[HEADER + i];
+    }
+    return golden->max_error > 0.0 ? 8 + 4 * n : 0;
 }
 
 static uint32_t crc32(const unsigned char *from, size_t n) {
@@ -102,13 +115,26 @@ static void place(const ko_fit_report *report, int i, uint64_t *seed, double *po
     }
 }
 
+static ko_field *field_to_keep(const struct golden *golden) {
+    if (golden->max_error == 0.0) {
+        return golden->dim == 2 ? check_circle_field(CONTROL_POINTS) : check_sphere_field(CONTROL_POINTS);
+    }
+    ko_cloud *cloud = check_lens((uint32_t)golden->dim, golden->n_points);
+    ko_fit_options options = check_options(CONTROL_POINTS);
+    options.max_error = golden->max_error;
+    ko_field *field = NULL;
+    OK(ko_field_fit(cloud, &options, &field));
+    ko_cloud_free(cloud);
+    return field;
+}
+
 static void write_golden(const char *folder, const struct golden *golden) {
     FILE *there = fopen(in_folder(folder, golden, ".kof"), "rb");
     if (there != NULL) {
         fclose(there);
         return;
     }
-    ko_field *field = golden->dim == 2 ? check_circle_field(CONTROL_POINTS) : check_sphere_field(CONTROL_POINTS);
+    ko_field *field = field_to_keep(golden);
     OK(ko_field_save(field, in_folder(folder, golden, ".kof")));
     ko_fit_report report;
     OK(ko_field_get_report(field, sizeof report, &report));
@@ -156,6 +182,7 @@ static void numbers_are_the_same(const char *folder, const struct golden *golden
     OK(ko_field_get_report(field, sizeof report, &report));
     CHECK(report.dim == (uint32_t)golden->dim);
     CHECK(report.n_unknowns == golden->n_unknowns && report.n_points == golden->n_points);
+    CHECK(report.n_levels == golden->n_levels && report.control_points[0] == CONTROL_POINTS);
     CHECK(report.feasible == KO_FEASIBLE_OUTSIDE && report.rms > 0.0 && report.rms < report.max);
     ko_field_free(field);
 }
@@ -168,22 +195,28 @@ static void fails_to_load(int32_t status, const char *words) {
     CHECK(field == NULL);
 }
 
-static void every_cut_is_an_error(void) {
+/* Places in a file that are looked at: all of the header, one in `step` behind it. */
+static size_t next_place(size_t i, size_t step) {
+    return i + (i < HEADER ? 1 : step);
+}
+
+/* `words` tell what is wrong: how long a refined file should be its header does not say, so a checksum may be what tells. */
+static void every_cut_is_an_error(const char *words, size_t step) {
     bytes[n_bytes] = 0;
     write_bytes(bytes, n_bytes + 1);
-    fails_to_load(KO_ERR_FORMAT, "bytes");
+    fails_to_load(KO_ERR_FORMAT, words);
     write_bytes(bytes, n_bytes);
-    for (size_t n = n_bytes; n-- > 0;) {
-        CHECK(truncate(spoiled, (off_t)n) == 0);
-        fails_to_load(KO_ERR_FORMAT, "bytes");
+    for (size_t n = 0; n < n_bytes; n = next_place(n, step)) {
+        write_bytes(bytes, n);
+        fails_to_load(KO_ERR_FORMAT, words);
     }
 }
 
-static void every_change_is_an_error(void) {
+static void every_change_is_an_error(size_t step) {
     write_bytes(bytes, n_bytes);
     FILE *file = fopen(spoiled, "r+b");
     CHECK(file != NULL);
-    for (size_t i = 0; file != NULL && i < n_bytes; i += i < HEADER ? 1 : 11) {
+    for (size_t i = 0; file != NULL && i < n_bytes; i = next_place(i, step)) {
         for (int bit = 1; bit < 256; bit *= 4) {
             const int changes[] = {bytes[i] ^ bit, bytes[i]};
             for (int c = 0; c < 2; c++) {
@@ -200,7 +233,7 @@ static void every_change_is_an_error(void) {
 }
 
 /* Changes that a checksum of their own makes look right: made on a copy of `n` bytes, the last four of which become it. */
-static unsigned char crafted[65536];
+static unsigned char crafted[131072];
 
 static void craft(size_t n) {
     put_u32(crafted + n - 4, crc32(crafted, n - 4));
@@ -272,6 +305,14 @@ static void crafted_headers_are_not_believed(void) {
     }
 }
 
+static void crafted_cuts_are_not_believed(void) {
+    const struct count counts[] = {
+        {8, 1, "announces"}, {8, 3, "version 3"}, {20, 9, "control points"}, {HEADER, UINT32_MAX, "announces"},
+        {HEADER + 8, UINT32_MAX, "cut 0 is of tile"},
+    };
+    crafted_counts_are_not_believed(counts, sizeof counts / sizeof *counts);
+}
+
 int main(int argc, char **argv) {
     if (argc == 3 && strcmp(argv[1], "--write") == 0) {
         for (int i = 0; i < N_KEPT; i++) {
@@ -286,13 +327,16 @@ int main(int argc, char **argv) {
     for (int i = 0; i < N_KEPT; i++) {
         numbers_are_the_same(argv[1], &kept[i]);
         read_bytes(in_folder(argv[1], &kept[i], ".kof"));
-        CHECK(n_bytes == HEADER + 8 * kept[i].n_unknowns + 4);
+        CHECK(n_bytes == HEADER + cut_bytes(&kept[i]) + 8 * kept[i].n_unknowns + 4);
         if (check_failures > 0) {
             break;
         }
-        every_cut_is_an_error();
-        every_change_is_an_error();
-        if (kept[i].dim == 2) {
+        int refined = kept[i].max_error > 0.0;
+        every_cut_is_an_error(refined ? spoiled : "bytes", refined ? 101 : 1);
+        every_change_is_an_error(refined ? 101 : 11);
+        if (refined) {
+            crafted_cuts_are_not_believed();
+        } else if (kept[i].dim == 2) {
             crafted_headers_of_the_plane_are_not_believed();
         } else {
             crafted_headers_are_not_believed();

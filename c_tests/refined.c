@@ -8,29 +8,6 @@ static ko_fit_report report_of(const ko_field *field) {
     return report;
 }
 
-/* The sphere in space or circle in the plane, of radius 1, squeezed to an edge of about 50 degrees at x = 0: cells are hard put there. */
-static ko_cloud *lens(uint32_t dim, size_t n) {
-    double *points = dim == 2 ? check_circle_points(n) : check_sphere_points(n);
-    double *normals = malloc(dim * n * sizeof *normals);
-    for (size_t i = 0; i < n; i++) {
-        double *p = &points[dim * i], *normal = &normals[dim * i], side = p[0] < 0 ? -1.0 : 1.0;
-        memcpy(normal, p, dim * sizeof *p);
-        /* Caps beyond |x| = 0.9, moved together: their rim is the edge. */
-        normal[0] = side * (0.9 + 0.1 * fabs(p[0]));
-        double rest = sqrt(1.0 - normal[0] * normal[0]), length = sqrt(1.0 - p[0] * p[0]);
-        for (uint32_t a = 1; a < dim; a++) {
-            normal[a] = length > 0 ? p[a] / length * rest : 0.0;
-        }
-        memcpy(p, normal, dim * sizeof *p);
-        p[0] -= 0.9 * side;
-    }
-    ko_cloud *cloud = NULL;
-    OK(ko_cloud_from_points(dim, points, normals, n, &cloud));
-    free(points);
-    free(normals);
-    return cloud;
-}
-
 /* Few control points and rough solves: valgrind runs this too. */
 static ko_fit_options small_options(void) {
     ko_fit_options options = check_options(8);
@@ -41,7 +18,7 @@ static ko_fit_options small_options(void) {
 
 static void a_fit_refines_until_the_error_is_reached(uint32_t dim) {
     enum { N = 60 };
-    ko_cloud *cloud = lens(dim, dim == 2 ? 200 : 600);
+    ko_cloud *cloud = check_lens(dim, dim == 2 ? 200 : 600);
     ko_fit_options options = small_options();
     CHECK(options.max_error == 0.0 && options.max_unknowns == 2000000);
     ko_field *one_grid = NULL, *field = NULL;
@@ -89,7 +66,7 @@ static void a_fit_refines_until_the_error_is_reached(uint32_t dim) {
 }
 
 static void a_budget_ends_it_with_a_remark(void) {
-    ko_cloud *cloud = lens(3, 400);
+    ko_cloud *cloud = check_lens(3, 400);
     ko_fit_options options = small_options();
     options.max_error = 1e-7;
     options.max_unknowns = 2000;

@@ -1097,10 +1097,11 @@ int32_t ko_level_set_options_init(struct ko_level_set_options *options, size_t s
  * `*mesh` is the caller's to free. The same field and options give the same bits.
  * Returns KO_OPEN_AT_BOX, a success, where the level set meets the box and the mesh is open there: a larger `margin` of the fit may
  * close it. Errors: KO_ERR_INVALID_ARGUMENT for a level that is not finite and for an option out of its range; KO_ERR_DEGENERATE for a
- * level that phi does not take, with the range that it takes; KO_ERR_UNSUPPORTED for an option that this library does not know;
- * KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_CANCELLED.
+ * level that phi does not take, with the range that it takes at the corners of cells; KO_ERR_UNSUPPORTED for an option that this library
+ * does not know; KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_CANCELLED.
  * Threads: any number at once; `progress` is called on the caller's. Cost: an evaluation a lattice vertex, about 5 with gradient a vertex
- * of the surface before the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface.
+ * of the surface before the collapse, and the collapse. Memory: 13 bytes a lattice vertex and 320 a vertex of that surface. Of the lattice
+ * only vertices near the level set count: blocks of it that the field's control points keep from the level are left out.
  */
 int32_t ko_field_level_set(const struct ko_field *field,
                            double level,

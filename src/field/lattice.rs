@@ -74,10 +74,10 @@ impl<const D: usize> Lattice<D> {
     pub(crate) fn eval(
         &self,
         phi: &impl Function<D>,
-        mut values: Option<&mut [f64]>,
-        mut gradients: Option<&mut [[f64; D]]>,
+        values: Option<&mut [f64]>,
+        gradients: Option<&mut [[f64; D]]>,
         workers: &Workers,
-        mut tell: impl FnMut(f64) -> Result<()>,
+        tell: impl FnMut(f64) -> Result<()>,
     ) -> Result<()> {
         let rooms = [
             ("values", values.as_ref().map_or(self.len, |v| v.len())),
@@ -87,34 +87,46 @@ impl<const D: usize> Lattice<D> {
             let n = self.len;
             return Err(Error::InvalidArgument(format!("{name} has room for {room} points; the lattice has {n}")));
         }
-        for first in (0..self.len).step_by(STAGE) {
-            let stage = first..(first + STAGE).min(self.len);
+        self.eval_some(phi, (self.len, |places| places), values, gradients, workers, tell)
+    }
+
+    /// The same at `n` points only: those of indices `which(places)`, for `places` among 0 .. n.
+    pub(super) fn eval_some<I: Iterator<Item = usize>>(
+        &self,
+        phi: &impl Function<D>,
+        (n, which): (usize, impl Fn(Range<usize>) -> I + Sync),
+        mut values: Option<&mut [f64]>,
+        mut gradients: Option<&mut [[f64; D]]>,
+        workers: &Workers,
+        mut tell: impl FnMut(f64) -> Result<()>,
+    ) -> Result<()> {
+        for first in (0..n).step_by(STAGE) {
+            let stage = first..(first + STAGE).min(n);
             let value_items = pieces(values.as_deref_mut().map(|v| &mut v[stage.clone()]));
             let gradient_items = pieces(gradients.as_deref_mut().map(|g| &mut g[stage.clone()]));
             let items = stage.clone().step_by(ITEM).zip(value_items.zip(gradient_items));
             workers.try_for_each(items, |(first, (values, gradients))| {
                 let item = first..(first + ITEM).min(stage.end);
-                self.eval_item(phi, item, values, gradients)
+                self.eval_item(phi, (item, &which), values, gradients)
             })?;
-            tell(stage.end as f64 / self.len as f64)?;
+            tell(stage.end as f64 / n as f64)?;
         }
         Ok(())
     }
 
-    /// Evaluates at the points of `item`.
-    fn eval_item(
+    /// Evaluates at the points of `item`, of indices `which(item)`.
+    fn eval_item<I: Iterator<Item = usize>>(
         &self,
         phi: &impl Function<D>,
-        item: Range<usize>,
+        (item, which): (Range<usize>, &impl Fn(Range<usize>) -> I),
         mut values: Option<&mut [f64]>,
         mut gradients: Option<&mut [[f64; D]]>,
     ) -> Result<()> {
         let (mut points, mut unwanted) = ([[0.0; D]; BLOCK], [0.0; BLOCK]);
+        let mut indices = which(item.clone());
         for first in item.clone().step_by(BLOCK) {
             let n = BLOCK.min(item.end - first);
-            for (i, p) in points[..n].iter_mut().enumerate() {
-                *p = self.point(first + i);
-            }
+            points[..n].iter_mut().zip(&mut indices).for_each(|(p, i)| *p = self.point(i));
             let block = first - item.start..first - item.start + n;
             let values = match &mut values {
                 Some(values) => &mut values[block.clone()],

@@ -336,6 +336,67 @@ fn turning_the_feasible_side_turns_the_sign() {
     }
 }
 
+/// A field of which nothing is known but its values.
+struct Opaque<'a, const D: usize>(&'a Field<D>);
+
+impl<const D: usize> Function<D> for Opaque<'_, D> {
+    fn values(&self, points: &[[f64; D]], values: &mut [f64]) -> crate::Result<()> {
+        self.0.values(points, values)
+    }
+
+    fn gradients(&self, points: &[[f64; D]], values: &mut [f64], gradients: &mut [[f64; D]]) -> crate::Result<()> {
+        self.0.gradients(points, values, gradients)
+    }
+}
+
+/// Level sets are those of the whole lattice, to the last bit; how many there were.
+fn level_sets_are_those_of_the_whole_lattice<const D: usize>(field: &Field<D>, levels: &[f64]) -> usize {
+    let mut n = 0;
+    for (i, &level) in levels.iter().enumerate() {
+        for subdivisions in [1, 2, 3] {
+            let (shortest_edge, relaxations) = if i > 0 { (0.0, 0) } else { (0.3, 1) };
+            let options = LevelSetOptions {
+                subdivisions,
+                shortest_edge,
+                relaxations,
+                n_threads: 1,
+                ..LevelSetOptions::default()
+            };
+            let axes = field.surface_axes(subdivisions);
+            let whole = level_set::Question { phi: &Opaque(field), axes, level, outward: 1.0 };
+            let whole = level_set::extract(&whole, &options, &mut Progress::silent());
+            let options = LevelSetOptions { n_threads: 1 + i as u32 % 2, ..options };
+            let near = field.level_set(level, &options, &mut Progress::silent());
+            assert!(near == whole, "level {level}, {subdivisions} subdivisions");
+            n += usize::from(whole.is_ok());
+        }
+    }
+    n
+}
+
+#[test]
+fn level_sets_lose_nothing_of_the_lattice() {
+    // Random control points have a part of the level set in every few cells; at high levels, specks.
+    let levels = [0.0, 0.0, 0.45, 0.6, -0.75, 3.0];
+    let mut n = 0;
+    for seed in 0..2 {
+        for n_cuts in [0, 2, 6] {
+            n += level_sets_are_those_of_the_whole_lattice(&at_random([2, 1, 3], n_cuts, seed), &levels);
+            n += level_sets_are_those_of_the_whole_lattice(&at_random([9, 6], n_cuts, seed), &levels);
+        }
+        let grid = Grid { axes: [5, 4, 7].map(|n| Axis { lower: -1e3, cell: 0.5, n_cells: n }) };
+        let mut random = SplitMix64::new(seed);
+        let points = (0..grid.n_control()).map(|_| random.between(-1.0, 1.0)).collect();
+        let field = Field::from_control_points(grid, points, Feasible::Outside, 1.0).unwrap();
+        n += level_sets_are_those_of_the_whole_lattice(&field, &levels);
+    }
+    assert!(n > 100, "{n}");
+    // A distance, which is 0 in few blocks; and one that is 0 nowhere.
+    let field = fit(&cube(), &FitOptions { control_points: [7, 8, 9], ..options(4e-3) });
+    assert!(field.is_refined());
+    assert_eq!(level_sets_are_those_of_the_whole_lattice(&field, &[0.0, 0.2]), 6);
+}
+
 #[test]
 fn normals_that_cancel_out_are_refused() {
     let one = cloud(circle([0.0; 2], 1.0, 90).unwrap(), 300);

@@ -17,7 +17,7 @@
 //!
 //! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries; [`blocks`],
 //! their local inverses; [`centers`], sums at the middles of all cells; [`tree`], cells refined where needed, [`hierarchical`], the splines on
-//! them, and [`tile_gram`], their smoothness.
+//! them, and [`tile_gram`], their smoothness; [`hull`], bounds on parts of a cell.
 //!
 //! Tensors of control points are row-major, the last axis contiguous.
 
@@ -30,6 +30,7 @@ pub mod blocks;
 pub mod centers;
 pub mod gram;
 pub mod hierarchical;
+pub mod hull;
 pub mod kernel;
 pub mod rows;
 pub mod tile_gram;

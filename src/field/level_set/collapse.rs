@@ -10,12 +10,11 @@
 
 use super::Surface;
 use super::quality::Quality;
+use super::queue::{Entry, Queue};
 use super::rings::Rings;
-use crate::error::{Error, try_vec, try_with_capacity};
+use crate::error::try_vec;
 use crate::geometry::vec::{dot, sub};
 use crate::{Result, progress::Progress};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// What the memory is for, should it run out.
 const WORK: &str = "the short edges of the level set";
@@ -35,14 +34,11 @@ const MOST_PASSES: usize = 4;
 /// The corners of facets that are gone.
 const GONE: u32 = u32::MAX;
 
-/// An edge: its squared length as ordered bits, then its vertices, so that ties have one outcome.
-type Entry = Reverse<(u64, u32, u32)>;
-
 /// The surface while edges are collapsed.
 struct Collapse<'a, const D: usize> {
     surface: &'a mut Surface<D>,
     rings: Rings,
-    heap: BinaryHeap<Entry>,
+    queue: Queue,
     /// Length of the result's edges.
     h: f64,
     /// Edges shorter than this are collapsed.
@@ -60,9 +56,8 @@ pub(super) fn collapse<const D: usize>(
     progress: &mut Progress,
 ) -> Result<()> {
     let rings = Rings::of(&surface.facets, surface.vertices.len())?;
-    let room = try_with_capacity(surface.facets.len(), WORK)?;
-    let mut work =
-        Collapse { surface, rings, heap: BinaryHeap::from(room), h, shortest, around: [Vec::new(), Vec::new()] };
+    let queue = Queue::new(surface.facets.len(), WORK)?;
+    let mut work = Collapse { surface, rings, queue, h, shortest, around: [Vec::new(), Vec::new()] };
     for _ in 0..MOST_PASSES {
         if work.pass(progress)? == 0 {
             break;
@@ -74,9 +69,9 @@ pub(super) fn collapse<const D: usize>(
 impl<const D: usize> Collapse<'_, D> {
     /// Goes through all short edges once; gives how many were collapsed.
     fn pass(&mut self, progress: &mut Progress) -> Result<usize> {
-        self.offer_all()?;
+        self.queue.fill(short_edges(self.surface, self.shortest), WORK)?;
         let (mut judged, mut merged, mut last) = (0_usize, 0, (0, 0));
-        while let Some(Reverse((_, a, b))) = self.heap.pop() {
+        while let Some((_, a, b)) = self.queue.pop() {
             // Offered more than once, the same edge comes out more than once in a row.
             if std::mem::replace(&mut last, (a, b)) == (a, b) {
                 continue;
@@ -93,44 +88,12 @@ impl<const D: usize> Collapse<'_, D> {
         Ok(merged)
     }
 
-    /// Puts all short edges on the heap.
-    fn offer_all(&mut self) -> Result<()> {
-        for f in 0..self.surface.facets.len() {
-            let facet = self.surface.facets[f];
-            if facet[0] == GONE {
-                continue;
-            }
-            for k in 0..if D == 2 { 1 } else { D } {
-                let (a, b) = (facet[k], facet[(k + 1) % D]);
-                // Between two triangles an edge runs both ways; a segment, or an edge on a face of the box, may run down only.
-                let on_box = self.surface.faces[a as usize] != 0 && self.surface.faces[b as usize] != 0;
-                if a < b || D == 2 || on_box {
-                    self.offer(a, b)?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Puts the edge of a and b on the heap if it is short.
-    fn offer(&mut self, a: u32, b: u32) -> Result<()> {
-        let e = sub(self.surface.vertices[a as usize], self.surface.vertices[b as usize]);
-        let squared = dot(e, e);
-        if squared >= self.shortest * self.shortest {
-            return Ok(());
-        }
-        self.heap.try_reserve(1).map_err(|_| Error::OutOfMemory {
-            what: WORK.to_owned(),
-            bytes: (self.heap.len() as u128 + 1) * size_of::<Entry>() as u128,
-            limit: None,
-        })?;
-        // The bits of numbers above 0 are in the order of the numbers.
-        self.heap.push(Reverse((squared.to_bits(), a.min(b), a.max(b))));
-        Ok(())
-    }
-
     /// Which of a and b may move onto the other, and onto which; `None` where neither may, or they are no edge any more.
     fn judge(&mut self, a: u32, b: u32) -> Option<(u32, u32)> {
+        // Most edges that were there at first are gone with one of their ends.
+        if self.rings.is_empty(a) || self.rings.is_empty(b) {
+            return None;
+        }
         let shared = self.facets_at(a).filter(|&f| self.surface.facets[f].contains(&b)).count();
         if shared == 0 || !self.keeps_topology(a, b, shared) {
             return None;
@@ -143,17 +106,19 @@ impl<const D: usize> Collapse<'_, D> {
         }
         // A vertex stays on the faces that hold it.
         let may = |gone: u32, kept: u32| faces(gone) & !faces(kept) == 0;
-        let moves = [(a, b), (b, a)].map(|(gone, kept)| {
-            let after = may(gone, kept).then(|| self.worst(gone, Some(kept), kept));
-            (gone, kept, after)
-        });
         let good = |after: Quality, than: Quality| after.shape >= than.shape && after.cosine >= than.cosine;
-        let find = |than: Quality| {
-            moves.iter().find(|m| m.2.is_some_and(|after| good(after, than))).map(|&(gone, kept, _)| (gone, kept))
-        };
         let enough = Quality { shape: GOOD_SHAPE, cosine: UPRIGHT };
+        let mut found = [None; 2];
+        for ((gone, kept), found) in [(a, b), (b, a)].into_iter().zip(&mut found).filter(|((g, k), _)| may(*g, *k)) {
+            let after = self.worst(gone, Some(kept), kept);
+            if good(after, enough) {
+                return Some((gone, kept));
+            }
+            *found = Some((gone, kept, after));
+        }
         // What was there before is costly to know, and matters only where what comes is not good in itself.
-        find(enough).or_else(|| find(enough.worse(self.worst(a, None, b)).worse(self.worst(b, None, a))))
+        let before = enough.worse(self.worst(a, None, b)).worse(self.worst(b, None, a));
+        found.into_iter().flatten().find(|m| good(m.2, before)).map(|(gone, kept, _)| (gone, kept))
     }
 
     /// Facets that are left at `v`.
@@ -223,11 +188,33 @@ impl<const D: usize> Collapse<'_, D> {
         let around = std::mem::take(&mut self.around);
         let (of_gone, of_kept) = if gone < kept { (&around[0], &around[1]) } else { (&around[1], &around[0]) };
         for &w in of_gone.iter().filter(|w| of_kept.binary_search(w).is_err()) {
-            self.offer(kept, w)?;
+            if let Some(edge) = short_edge(self.surface, kept, w, self.shortest) {
+                self.queue.push(edge, WORK)?;
+            }
         }
         self.around = around;
         Ok(())
     }
+}
+
+/// The edge of a and b, if it is short.
+fn short_edge<const D: usize>(surface: &Surface<D>, a: u32, b: u32, shortest: f64) -> Option<Entry> {
+    let e = sub(surface.vertices[a as usize], surface.vertices[b as usize]);
+    let squared = dot(e, e);
+    // The bits of numbers above 0 are in the order of the numbers.
+    (squared < shortest * shortest).then(|| (squared.to_bits(), a.min(b), a.max(b)))
+}
+
+/// All short edges, those that two facets run through in opposite directions once.
+fn short_edges<const D: usize>(surface: &Surface<D>, shortest: f64) -> impl Iterator<Item = Entry> {
+    surface.facets.iter().filter(|facet| facet[0] != GONE).flat_map(move |facet| {
+        (0..if D == 2 { 1 } else { D }).filter_map(move |k| {
+            let (a, b) = (facet[k], facet[(k + 1) % D]);
+            // Between two triangles an edge runs both ways; a segment, or an edge on a face of the box, may run down only.
+            let on_box = surface.faces[a as usize] != 0 && surface.faces[b as usize] != 0;
+            if a < b || D == 2 || on_box { short_edge(surface, a, b, shortest) } else { None }
+        })
+    })
 }
 
 /// Takes out facets that are gone and vertices that no facet uses.

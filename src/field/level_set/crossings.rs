@@ -3,6 +3,7 @@
 
 use super::CubeEdge;
 use super::cubes::Cubes;
+use super::near::Near;
 use crate::error::{try_vec, try_with_capacity};
 use crate::par::Workers;
 use crate::{Error, Result};
@@ -21,35 +22,32 @@ pub(super) struct Crossing {
     pub faces: u8,
 }
 
-/// The crossed edges of a lattice.
+/// The crossed edges of a lattice, by the places of the vertices that are kept of it.
 pub(super) struct Crossings {
-    /// Per lattice vertex: bit e - 1 is set where the edge along the axes e is crossed. D <= 3 leaves at most 7 edges.
+    /// Per vertex: bit e - 1 is set where the edge along the axes e is crossed. D <= 3 leaves at most 7 edges.
     crossed: Vec<u8>,
-    /// Per lattice vertex: the number of the first edge that is crossed there or later.
+    /// Per vertex: the number of the first edge that is crossed there or later.
     first: Vec<u32>,
     /// Crossed edges in all.
     pub len: usize,
 }
 
 impl Crossings {
-    /// Bytes per lattice vertex.
+    /// Bytes per vertex.
     pub const BYTES: u128 = 5;
 
-    /// The crossed edges of `cubes` under the values `f` at their vertices.
-    pub fn find<const D: usize>(cubes: &Cubes<D>, f: &[f64], workers: &Workers) -> Result<Self> {
+    /// The edges that are crossed under the values `f` at the vertices of `near`.
+    pub fn find<const D: usize>(near: &Near<D>, f: &[f64], workers: &Workers) -> Result<Self> {
         let mut crossed = try_vec(f.len(), 0_u8, WORK)?;
-        let offsets: Vec<usize> = (0..1 << D).map(|axes| cubes.offset(axes)).collect();
-        let plane = cubes.strides[0];
-        workers.for_each(crossed.chunks_mut(plane).enumerate(), |(i, crossed)| {
-            for (j, crossed) in crossed.iter_mut().enumerate() {
-                let vertex = i * plane + j;
-                let at = cubes.coordinates(vertex);
-                let last = (0..D).fold(0, |bits, a| bits | usize::from(at[a] == cubes.shape[a] - 1) << a);
-                for axes in (1..1 << D).filter(|axes| axes & last == 0) {
-                    *crossed |= u8::from((f[vertex] < 0.0) != (f[vertex + offsets[axes]] < 0.0)) << (axes - 1);
-                }
-            }
-        });
+        let mut rest = &mut crossed[..];
+        let layers: Vec<_> = (0..near.n_layers())
+            .map(|layer| {
+                let (mine, behind) = std::mem::take(&mut rest).split_at_mut(near.layer(layer).len());
+                rest = behind;
+                (layer, mine)
+            })
+            .collect();
+        workers.for_each(layers, |(layer, crossed)| mark(near, f, layer, crossed));
         let mut first = try_with_capacity(f.len(), WORK)?;
         let mut len = 0_usize;
         for crossed in &crossed {
@@ -66,17 +64,18 @@ impl Crossings {
         Ok(Crossings { crossed, first, len })
     }
 
-    /// The number of an edge that is crossed, which begins at `vertex` and runs along `axes`.
-    pub fn number(&self, vertex: usize, axes: usize) -> u32 {
-        debug_assert!(self.crossed[vertex] >> (axes - 1) & 1 == 1);
-        let before = self.crossed[vertex] & ((1 << (axes - 1)) - 1);
-        self.first[vertex] + before.count_ones()
+    /// The number of an edge that is crossed, which begins at the vertex at `place` and runs along `axes`.
+    pub fn number(&self, place: usize, axes: usize) -> u32 {
+        debug_assert!(self.crossed[place] >> (axes - 1) & 1 == 1);
+        let before = self.crossed[place] & ((1 << (axes - 1)) - 1);
+        self.first[place] + before.count_ones()
     }
 
     /// The crossed edges in the order of their numbers.
-    pub fn list<const D: usize>(&self, cubes: &Cubes<D>) -> Result<Vec<Crossing>> {
+    pub fn list<const D: usize>(&self, cubes: &Cubes<D>, near: &Near<D>) -> Result<Vec<Crossing>> {
         let mut list = try_with_capacity(self.len, WORK)?;
-        for (vertex, &crossed) in self.crossed.iter().enumerate().filter(|(_, crossed)| **crossed != 0) {
+        let vertices = near.vertices(0..self.crossed.len());
+        for (vertex, &crossed) in vertices.zip(&self.crossed).filter(|(_, crossed)| **crossed != 0) {
             let at = cubes.coordinates(vertex);
             for axes in (1..1 << D).filter(|axes| crossed >> (axes - 1) & 1 == 1) {
                 list.push(Crossing { vertex, axes, faces: cubes.faces(at, CubeEdge { from: 0, axes }) });
@@ -84,4 +83,21 @@ impl Crossings {
         }
         Ok(list)
     }
+}
+
+/// Marks the crossed edges that begin in a layer of vertices across the first axis, as `crossed` has them.
+fn mark<const D: usize>(near: &Near<D>, f: &[f64], layer: usize, crossed: &mut [u8]) {
+    let (cubes, first) = (near.counts(), near.layer(layer).start);
+    // An edge is one of the cube that begins where it begins; where none does, on the upper faces, of the last before.
+    let beyond = usize::from(layer == cubes[0]);
+    near.each_mixed_cube(f, layer - beyond, |cube| {
+        let last = (1..D).fold(beyond, |bits, a| bits | usize::from(cube.at[a] == cubes[a] - 1) << a);
+        for from in (0..1_usize << D).filter(|from| from & !last == 0 && from & 1 == beyond) {
+            let place = cube.place(from) - first;
+            for axes in (1..1 << D).filter(|axes| axes & from == 0) {
+                let differ = cube.negative >> from & 1 != cube.negative >> (from | axes) & 1;
+                crossed[place] |= u8::from(differ) << (axes - 1);
+            }
+        }
+    });
 }

@@ -39,6 +39,11 @@ impl<const D: usize> Cubes<D> {
         self.shape[0] * self.strides[0]
     }
 
+    /// Cubes along each axis.
+    pub fn counts(&self) -> [usize; D] {
+        self.shape.map(|n| n - 1)
+    }
+
     /// The vertices as a lattice of points.
     pub fn lattice(&self) -> Result<Lattice<D>> {
         let steps: Vec<[f64; D]> =

@@ -10,7 +10,8 @@
 //!
 //! | step | source | here |
 //! |---|---|---|
-//! | f at the lattice vertices | | `cubes.rs`, [`super::lattice`] |
+//! | blocks of the lattice where f may be 0 | Bezier points bound a spline: Ramshaw 1989 | `blocks.rs`, [`crate::spline::hull`] |
+//! | f at their vertices, no others | | `cubes.rs`, `near.rs`, [`super::lattice`] |
 //! | crossed edges, numbered | | `crossings.rs` |
 //! | vertices: roots on crossed edges | safeguarded Newton | `roots.rs` |
 //! | cases of a cube | Kuhn 1960, Freudenthal 1942 | `kuhn.rs` |
@@ -27,12 +28,15 @@
 //! are collapsed.
 
 mod assemble;
+mod blocks;
 mod collapse;
 mod crossings;
 mod cubes;
 mod kuhn;
+mod near;
 mod options;
 mod quality;
+mod queue;
 mod relax;
 mod rings;
 mod roots;
@@ -47,9 +51,11 @@ use crate::geometry::vec::number;
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::spline::Axis;
+pub use blocks::Blocks;
 use crossings::Crossings;
 use cubes::Cubes;
 use kuhn::CubeEdge;
+use near::Near;
 pub use options::LevelSetOptions;
 use relax::Relaxation;
 
@@ -104,9 +110,10 @@ impl<const D: usize> Field<D> {
     ///
     /// Of a refined field the cells that `options` cuts are those of its deepest level with which the lattice has no more than 2^26 vertices.
     ///
-    /// The same bits on any number of threads. Cost: an evaluation at each lattice vertex, about 5 with gradient at each crossing.
-    /// [`Error::Degenerate`] where phi does not take the level on the lattice, naming the range that it takes; [`Error::OutOfMemory`]
-    /// beforehand, where the lattice or the surface would take more than the limit.
+    /// The same bits on any number of threads. Cost: an evaluation at each lattice vertex in blocks that phi's control points do not keep
+    /// from the level, about 5 with gradient at each crossing. [`Error::Degenerate`] where phi does not take the level on the lattice,
+    /// naming the range that it takes at the corners of cells; [`Error::OutOfMemory`] beforehand, where that part of the lattice or the
+    /// surface would take more than the limit.
     pub fn level_set(&self, level: f64, options: &LevelSetOptions, progress: &mut Progress) -> Result<LevelSet<D>> {
         let outward = self.feasible.sign();
         extract(
@@ -117,7 +124,7 @@ impl<const D: usize> Field<D> {
     }
 
     /// The cells on which a surface is looked for: of a refined field those of the deepest level with which the lattice is not too large.
-    fn surface_axes(&self, subdivisions: u32) -> [Axis; D] {
+    pub(in crate::field) fn surface_axes(&self, subdivisions: u32) -> [Axis; D] {
         let Some(refined) = &self.refined else { return self.grid.axes };
         let vertices =
             |axes: &[Axis; D]| axes.iter().map(|a| a.n_cells as u128 * u128::from(subdivisions) + 1).product::<u128>();
@@ -160,29 +167,35 @@ pub fn extract<F: Function<D>, const D: usize>(
         return Err(Error::InvalidArgument(format!("the level is {level}; it must be finite")));
     }
     let cubes = Cubes::new(axes, options.subdivisions)?;
-    let lattice_bytes = cubes.len() as u128 * (size_of::<f64>() as u128 + Crossings::BYTES);
-    check_memory(lattice_bytes, &cubes, options.memory_limit)?;
+    check_memory(Near::least_bytes(&cubes), &cubes, options.memory_limit)?;
     let workers = Workers::new(options.n_threads)?;
+    let blocks = Blocks::new(cubes.counts())?;
+    phi.mark_blocks(level, &blocks, &workers);
+    let mut lattice_bytes = 0;
+    let near = Near::new(&cubes, blocks, |bytes, vertices| {
+        lattice_bytes = bytes + vertices as u128 * (size_of::<f64>() as u128 + Crossings::BYTES);
+        check_memory(lattice_bytes, &cubes, options.memory_limit)
+    })?;
 
-    let mut f = try_vec(cubes.len(), 0.0, "the values on the lattice")?;
-    cubes.lattice()?.eval(phi, Some(&mut f), None, &workers, |done| progress.tell(0.4 * done, "lattice"))?;
+    let mut f = try_vec(near.len(), 0.0, "the values on the lattice")?;
+    let which = (near.len(), |places| near.vertices(places));
+    let tell = |done| progress.tell(0.4 * done, "lattice");
+    cubes.lattice()?.eval_some(phi, which, Some(&mut f), None, &workers, tell)?;
     let range = range_of(&f);
-    if range.1 - range.0 <= ROUNDING * level.abs() {
-        return Err(out_of_reach(range, level));
-    }
     f.iter_mut().for_each(|f| *f -= level);
-    let crossings = Crossings::find(&cubes, &f, &workers)?;
-    if crossings.len == 0 {
-        return Err(out_of_reach(range, level));
+    let crossings = Crossings::find(&near, &f, &workers)?;
+    // Blocks are left out only far from the level, so that beside them values are no constant.
+    if crossings.len == 0 || range.1 - range.0 <= ROUNDING * level.abs() {
+        return Err(out_of_reach(corner_range(question, &workers, progress)?, level));
     }
     check_memory(lattice_bytes + crossings.len as u128 * VERTEX_BYTES, &cubes, options.memory_limit)?;
 
-    let edges = crossings.list(&cubes)?;
+    let edges = crossings.list(&cubes, &near)?;
     let tell = |done| progress.tell(0.4 + 0.2 * done, "vertices");
-    let mut surface = roots::find(question, (&cubes, &f), &edges, &workers, tell)?;
+    let mut surface = roots::find(question, (&cubes, &near, &f), &edges, &workers, tell)?;
     drop(edges);
-    surface.facets = assemble::facets(&cubes, &f, &crossings, outward, &workers)?;
-    drop((f, crossings));
+    surface.facets = assemble::facets(&near, &f, &crossings, outward, &workers)?;
+    drop((f, crossings, near));
     let shortest = options.shortest_edge * axes.iter().fold(f64::INFINITY, |m, a| m.min(a.cell));
     // The size of the result's facets.
     let h = cubes.shortest_edge().max(shortest);
@@ -234,10 +247,22 @@ fn range_of(phi: &[f64]) -> (f64, f64) {
     phi.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)))
 }
 
+/// The least and the largest value of phi at the corners of cells.
+fn corner_range<F: Function<D>, const D: usize>(
+    &Question { phi, axes, .. }: &Question<F, D>,
+    workers: &Workers,
+    progress: &mut Progress,
+) -> Result<(f64, f64)> {
+    let cells = Cubes::new(axes, 1)?;
+    let mut values = try_vec(cells.len(), 0.0, "the values at the corners of cells")?;
+    cells.lattice()?.eval(phi, Some(&mut values), None, workers, |_| progress.tell(0.0, "lattice"))?;
+    Ok(range_of(&values))
+}
+
 /// Why there is no level set where f has one sign, or phi, from `low` to `high`, is constant but for rounding.
 fn out_of_reach((low, high): (f64, f64), level: f64) -> Error {
     let [level, low, high] = [level, low, high].map(number);
     Error::Degenerate(format!(
-        "the level {level} is not reached: on the lattice phi runs from {low} to {high}; choose a level between, where phi is not constant"
+        "the level {level} is not reached: at the corners of cells phi runs from {low} to {high}; choose a level between, where phi is not constant"
     ))
 }

@@ -37,6 +37,11 @@ impl Rings {
         Ok(Rings { first, last, next })
     }
 
+    /// Whether `v` has no corners, as after [`Rings::join`].
+    pub fn is_empty(&self, v: u32) -> bool {
+        self.first[v as usize] == NONE
+    }
+
     /// Corners at `v`, those of facets that are gone among them.
     pub fn corners(&self, v: u32) -> impl Iterator<Item = usize> {
         let at = |corner: u32| (corner != NONE).then_some(corner);

@@ -2,6 +2,7 @@
 
 use super::crossings::Crossing;
 use super::cubes::Cubes;
+use super::near::Near;
 use super::{Function, Question, Surface};
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
@@ -64,11 +65,11 @@ impl<const D: usize> Search<D> {
     }
 }
 
-/// The vertices of the level set on `crossings`, given phi - level `f` at the lattice vertices, and the unit normals there, outward; `tell`
+/// The vertices of the level set on `crossings`, given phi - level `f` at the vertices of `near`, and the unit normals there, outward; `tell`
 /// hears the fraction done.
 pub(super) fn find<F: Function<D>, const D: usize>(
     question: &Question<F, D>,
-    (cubes, f): (&Cubes<D>, &[f64]),
+    (cubes, near, f): (&Cubes<D>, &Near<D>, &[f64]),
     crossings: &[Crossing],
     workers: &Workers,
     mut tell: impl FnMut(f64) -> Result<()>,
@@ -83,7 +84,7 @@ pub(super) fn find<F: Function<D>, const D: usize>(
         let places = vertices[range.clone()].chunks_mut(BLOCK).zip(normals[range.clone()].chunks_mut(BLOCK));
         workers.try_for_each(stage.chunks(BLOCK).zip(places), |(crossings, (vertices, normals))| {
             let mut searches = crossings.iter().enumerate().map(|(slot, c)| {
-                let (f0, f1) = (f[c.vertex], f[c.vertex + cubes.offset(c.axes)]);
+                let [f0, f1] = [0, cubes.offset(c.axes)].map(|offset| f[near.place(c.vertex + offset)]);
                 let (a, e) = (lattice.point(c.vertex), cubes.vector(c.axes));
                 Search { a, e, low: 0.0, high: 1.0, rises: f0 < 0.0, t: f0 / (f0 - f1), size: f64::INFINITY, slot }
             });
