@@ -19,7 +19,7 @@ END = "<!-- end of figures -->"
 ORDERS = ("value", "gradient", "hessian")
 PLACES = ("uniform", "near", "surface")
 # Each shape with the `max_error` that is shown of those that the bench measures.
-SHAPES = {"armadillo": "8e-04", "fandisk": "1e-03", "bunny": "8e-04", "dragon": "8e-04"}
+SHAPES = {"armadillo": "5e-04", "fandisk": "5e-04", "bunny": "5e-04", "dragon": "5e-04"}
 SIDES = ("bunny_lsdo_genie", "armadillo_cgal", "femur_cgal", "rotor", "bwb", "fandisk", "joint", "spool", "knot1", "double-torus")
 
 

@@ -12,7 +12,6 @@ static ko_fit_report report_of(const ko_field *field) {
 static ko_fit_options small_options(void) {
     ko_fit_options options = check_options(8);
     options.tolerance = 1e-2;
-    options.reweightings = 1;
     return options;
 }
 

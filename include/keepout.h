@@ -369,7 +369,8 @@ typedef struct ko_fit_options {
     uint32_t control_points[3];
     /**
      * Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them
-     * once all the same. Default 3.
+     * once all the same. With `max_error` cells are cut instead, and only points reweighted that are missed where no more can be cut.
+     * Default 3.
      */
     uint32_t reweightings;
     /**

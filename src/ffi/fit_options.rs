@@ -31,7 +31,8 @@ pub struct ko_fit_options {
     /// 1024 and 65536.
     pub control_points: [u32; 3],
     /// Rounds in which points are weighted anew, as `reweighting` says; at most 100. 0: none, the paper's fit; a robust fit weighs them
-    /// once all the same. Default 3.
+    /// once all the same. With `max_error` cells are cut instead, and only points reweighted that are missed where no more can be cut.
+    /// Default 3.
     pub reweightings: u32,
     /// How much longer than the cloud the box is along each axis, in [0, 100]. Default 0.15: 1.15 times the extents.
     pub margin: f64,

@@ -52,7 +52,8 @@ pub struct FitOptions {
     pub distance_weight: f64,
     /// What the rounds of reweighting are for.
     pub reweighting: Reweighting,
-    /// Rounds in which points are weighted anew. 0 is the paper's fit; a robust one weighs them once all the same.
+    /// Rounds in which points are weighted anew. 0 is the paper's fit; a robust one weighs them once all the same. Refinement cuts cells
+    /// instead, and reweights only points that are missed where it can cut no more.
     pub reweightings: u32,
     /// Largest error on the surface, in D, until which cells are refined where it is larger: see `field::refined`. 0: one grid.
     pub max_error: f64,

@@ -281,8 +281,9 @@ fn threads_files_and_refits_keep_a_refined_field() {
     });
     let anew = again.refit(&cloud, &FitOptions { reweightings: 0, ..options(0.0) }, &mut Progress::silent()).unwrap();
     assert_eq!((anew.report().n_unknowns, anew.report().n_levels), (r.n_unknowns, r.n_levels));
-    let further = again.refit(&cloud, &options(1.5e-3), &mut Progress::silent()).unwrap();
-    assert!(further.report().max <= 1.5e-3 && further.report().n_unknowns > r.n_unknowns);
+    let further = again.refit(&cloud, &options(4e-4), &mut Progress::silent()).unwrap();
+    let further = further.report();
+    assert!(further.max <= 4e-4 && further.n_unknowns > r.n_unknowns, "{further:?} after {r:?}");
 }
 
 #[test]

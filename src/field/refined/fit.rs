@@ -24,6 +24,9 @@ const STRAY: f64 = 0.5;
 /// cell: of 19 closed shapes fewer then have wrong signs beside sharp edges, and what distances bend is refined.
 const NEAREST: f64 = 0.5;
 
+/// What points that are missed by just more than they may be are weighted with.
+const MISSED: f64 = 2.0;
+
 /// Rounds of cuts: each goes a level deeper, or wider.
 const MOST_ROUNDS: u32 = 40;
 
@@ -76,15 +79,15 @@ pub fn fit<const D: usize>(
         fitting.full |= round == MOST_ROUNDS;
         x = fitting.solve(x, true, 0.3)?;
         let mut further = fitting.refine(&x, true)?;
-        for reweighting in 1..=options.reweightings.max(1) {
-            if further.is_some() {
+        if further.is_none() {
+            x = fitting.solve(x, false, 0.6)?;
+            further = fitting.refine(&x, false)?;
+        }
+        for _ in 0..options.reweightings {
+            if further.is_some() || !fitting.weigh_the_missed() {
                 break;
             }
-            if options.reweightings > 0 {
-                fitting.energy.reweight(reweight::factors(&fitting.misfits));
-            }
-            let is_last = reweighting >= options.reweightings;
-            x = fitting.solve(x, !is_last, if is_last { 0.6 } else { 0.3 })?;
+            x = fitting.solve(x, false, 0.6)?;
             further = fitting.refine(&x, false)?;
         }
         let Some((tree, space)) = further else { break };
@@ -129,6 +132,18 @@ impl<const D: usize> Fitting<'_, '_, D> {
             (n, self.full) = (n / 2, true);
         }
         Ok(None)
+    }
+
+    /// Makes points count for more that the surface misses though no cells can be cut there; whether there are any. Where a limit is in the
+    /// way of cuts there would be many, and phi would oscillate between them.
+    fn weigh_the_missed(&mut self) -> bool {
+        let max_error = self.options.max_error;
+        let missed = |m: &Misfit| m.value > max_error;
+        if max_error == 0.0 || self.full || !self.misfits.iter().any(missed) {
+            return false;
+        }
+        self.energy.reweight(self.misfits.iter().map(|m| if missed(m) { MISSED * m.value / max_error } else { 1.0 }));
+        true
     }
 
     /// Solves A x = b from `x` on, to the tolerance, or `roughly`: until the residual is lower by [`ROUGH`], where the caller does not ask
