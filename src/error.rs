@@ -1,6 +1,8 @@
 //! The one error type. Every variant says what was wrong, where, and what would be right.
 
+use std::collections::HashMap;
 use std::fmt;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
 
 /// What can go wrong. The text of each is meant for the person who made the call.
@@ -122,11 +124,24 @@ pub fn try_vec<T: Clone>(len: usize, value: T, what: &str) -> Result<Vec<T>> {
 /// An empty vector with room for `capacity` items, or [`Error::OutOfMemory`] naming `what`.
 pub fn try_with_capacity<T>(capacity: usize, what: &str) -> Result<Vec<T>> {
     let mut vec = Vec::new();
-    vec.try_reserve_exact(capacity).map_err(|_| Error::OutOfMemory {
-        what: what.to_owned(),
-        bytes: capacity as u128 * size_of::<T>() as u128,
-        limit: None,
-    })?;
+    vec.try_reserve_exact(capacity).map_err(|_| no_room::<T>(capacity as u128, what))?;
     crate::pages::prefer_huge(&mut vec);
     Ok(vec)
+}
+
+/// Makes room for `more` items behind those of `vec`, or gives [`Error::OutOfMemory`] naming `what`.
+pub fn try_reserve<T>(vec: &mut Vec<T>, more: usize, what: &str) -> Result<()> {
+    let len = vec.len() as u128 + more as u128;
+    vec.try_reserve(more).map_err(|_| no_room::<T>(len, what))
+}
+
+/// Makes room in `map` for one entry more, or gives [`Error::OutOfMemory`] naming `what`.
+pub fn try_reserve_entry<K: Eq + Hash, V>(map: &mut HashMap<K, V>, what: &str) -> Result<()> {
+    let len = map.len() as u128 + 1;
+    map.try_reserve(1).map_err(|_| no_room::<(K, V)>(len, what))
+}
+
+/// The error where there is no room for `len` items.
+pub fn no_room<T>(len: u128, what: &str) -> Error {
+    Error::OutOfMemory { what: what.to_owned(), bytes: len * size_of::<T>() as u128, limit: None }
 }

@@ -50,7 +50,8 @@ const CHECKSUM: usize = 4;
 impl<const D: usize> Field<D> {
     /// Writes the field to `path`. What stood there is replaced whole or, on failure, left as it was.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        replace(path.as_ref(), |out| self.write_to(out))
+        let cuts = self.refined.as_ref().map(|r| r.tree().cuts()).transpose()?;
+        replace(path.as_ref(), |out| self.write_to(cuts.as_deref(), out))
     }
 
     /// [`load`], for a field whose dimension is known.
@@ -64,15 +65,15 @@ impl<const D: usize> Field<D> {
         Err(Error::Format { path: path.to_owned(), place: Place::Byte(12), message })
     }
 
-    fn write_to(&self, out: &mut impl Write) -> io::Result<()> {
+    /// `cuts` are those of a refined field.
+    fn write_to(&self, cuts: Option<&[u32]>, out: &mut impl Write) -> io::Result<()> {
         let mut crc = crc32fast::Hasher::new();
         let mut put = |bytes: &[u8]| {
             crc.update(bytes);
             out.write_all(bytes)
         };
         put(&self.header())?;
-        if let Some(refined) = &self.refined {
-            let cuts = refined.tree().cuts();
+        if let Some(cuts) = cuts {
             put(&(cuts.len() as u64).to_le_bytes())?;
             for cut in cuts {
                 put(&cut.to_le_bytes())?;
@@ -228,7 +229,7 @@ impl Header {
         let wrong = |place, message| Error::Format { path: path.to_owned(), place, message };
         let mut tree = Tree::new(grid)?;
         for (i, cut) in cuts.iter().enumerate() {
-            if !tree.cut_index(*cut) {
+            if !tree.cut_index(*cut)? {
                 let message = format!("cut {i} is of tile {cut}, which is none, or is cut already");
                 return Err(wrong(Place::Byte(HEADER + 8 + 4 * i), message));
             }

@@ -90,7 +90,7 @@ impl<const D: usize> Field<D> {
         let mut start = try_vec(control_points.len(), 0.0, "the control points")?;
         start.iter_mut().zip(control_points).for_each(|(s, c)| *s = c / d);
         match &self.refined {
-            Some(refined) => fit_tree(refined.tree().clone(), start, cloud, options, progress),
+            Some(refined) => fit_tree(refined.tree().try_clone()?, start, cloud, options, progress),
             None => fit_on(self.grid, start, cloud, options, progress),
         }
     }

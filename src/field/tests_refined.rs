@@ -41,7 +41,7 @@ fn at_random<const D: usize>(n_cells: [usize; D], n_cuts: usize, seed: u64) -> F
     let mut tree = Tree::new(grid).unwrap();
     for _ in 0..n_cuts {
         let level = (3.0 * random.unit()) as u32;
-        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32));
+        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32)).unwrap();
     }
     let space = Space::new(&tree).unwrap();
     let active = (0..space.n_active()).map(|_| random.between(-1.0, 1.0)).collect();
@@ -187,7 +187,7 @@ fn is_nested<const D: usize>(n_cells: [usize; D], seed: u64) {
     let mut random = SplitMix64::new(seed);
     for _ in 0..5 {
         let level = (4.0 * random.unit()) as u32;
-        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32));
+        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32)).unwrap();
     }
     let fine = Space::new(&tree).unwrap();
     assert!(fine.n_active() > coarse.n_active());

@@ -12,7 +12,7 @@
 
 use super::tree::{SIDE, Tree};
 use crate::Result;
-use crate::error::{try_vec, try_with_capacity};
+use crate::error::{try_reserve, try_reserve_entry, try_vec, try_with_capacity};
 use crate::par::Workers;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -25,6 +25,9 @@ pub const ROW: usize = 8;
 
 /// No pack, or no tile.
 const NONE: u32 = u32::MAX;
+
+/// What the memory is for, should it run out.
+const WHAT: &str = "the functions of a hierarchy";
 
 /// Packs that an item of work has.
 const CHUNK: usize = 64;
@@ -87,15 +90,16 @@ impl<const D: usize> Space<D> {
         let n = tree.tiles().len();
         let mut space = Space {
             levels: Vec::new(),
-            packs: try_with_capacity(2 * n, "the functions of a hierarchy")?,
-            of_tile: try_vec(n, [NONE; 8], "the functions of a hierarchy")?,
+            packs: try_with_capacity(2 * n, WHAT)?,
+            of_tile: try_vec(n, [NONE; 8], WHAT)?,
             numbers: HashMap::new(),
         };
         for level in 0..tree.n_levels() {
             let first = space.packs.len();
             for (i, tile) in tree.tiles().iter().enumerate().filter(|(_, t)| t.level == level && tree.holds(t)) {
                 for bits in 0..1 << D {
-                    let pack = space.number(level, std::array::from_fn(|a| tile.place[a] + bit::<D>(bits, a) as u32));
+                    let pack =
+                        space.number(level, std::array::from_fn(|a| tile.place[a] + bit::<D>(bits, a) as u32))?;
                     space.of_tile[i][bits] = pack;
                     space.packs[pack as usize].tiles[bits] = i as u32;
                 }
@@ -108,12 +112,14 @@ impl<const D: usize> Space<D> {
     }
 
     /// The number of the pack at `place` of `level`, which is made where there is none.
-    fn number(&mut self, level: u32, place: [u32; D]) -> u32 {
-        *self.numbers.entry((level, place)).or_insert_with(|| {
+    fn number(&mut self, level: u32, place: [u32; D]) -> Result<u32> {
+        try_reserve_entry(&mut self.numbers, WHAT)?;
+        try_reserve(&mut self.packs, 1, WHAT)?;
+        Ok(*self.numbers.entry((level, place)).or_insert_with(|| {
             let none = Pack { tiles: [NONE; 8], coarse: [NONE; 8], fine: [NONE; 27], odd: 0, active: 0 };
             self.packs.push(none);
             self.packs.len() as u32 - 1
-        })
+        }))
     }
 
     /// Tells packs of those of the levels beside.

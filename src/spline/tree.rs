@@ -5,7 +5,7 @@
 
 use super::{Axis, Grid};
 use crate::Result;
-use crate::error::try_vec;
+use crate::error::{try_reserve, try_vec, try_with_capacity};
 
 /// Cells of a tile along an axis.
 pub const SIDE: usize = 4;
@@ -97,6 +97,13 @@ impl<const D: usize> Tree<D> {
         }
     }
 
+    /// A copy, where there is room for one.
+    pub fn try_clone(&self) -> Result<Self> {
+        let mut tiles = try_with_capacity(self.tiles.len(), "the tiles")?;
+        tiles.extend_from_slice(&self.tiles);
+        Ok(Tree { tiles, ..*self })
+    }
+
     /// The same tiles on the cells of `grid`, which differs in its unit.
     pub fn on(self, grid: Grid<D>) -> Self {
         Tree { grid, ..self }
@@ -171,39 +178,42 @@ impl<const D: usize> Tree<D> {
 
     /// Cuts the tile at `place` of `level`, and before that all that hold it; whether it was a leaf. Nothing is done beyond the box and at
     /// the deepest level.
-    pub fn cut(&mut self, level: u32, place: [u32; D]) -> bool {
+    pub fn cut(&mut self, level: u32, place: [u32; D]) -> Result<bool> {
         while let Some(index) = self.holder(level, place) {
-            if !self.cut_index(index as u32) {
-                return false;
+            if !self.cut_index(index as u32)? {
+                return Ok(false);
             }
             if self.tiles[index].level == level {
-                return true;
+                return Ok(true);
             }
         }
-        false
+        Ok(false)
     }
 
     /// Cuts tile `index`; whether there was such a leaf.
-    pub fn cut_index(&mut self, index: u32) -> bool {
-        let Some(&tile) = self.tiles.get(index as usize) else { return false };
+    pub fn cut_index(&mut self, index: u32) -> Result<bool> {
+        let Some(&tile) = self.tiles.get(index as usize) else { return Ok(false) };
         // Places are numbers of 32 bits too.
         let too_deep = tile.level >= DEEPEST || (0..D).any(|a| self.n_cells(tile.level + 1, a) > u32::MAX as usize);
         if !tile.is_leaf() || too_deep || !self.holds(&tile) || self.tiles.len() > MOST_TILES {
-            return false;
+            return Ok(false);
         }
+        try_reserve(&mut self.tiles, 1 << D, "the tiles")?;
         self.tiles[index as usize].child = self.tiles.len() as u32;
         for part in 0..1_usize << D {
             let place = std::array::from_fn(|a| 2 * tile.place[a] + (part >> (D - 1 - a) & 1) as u32);
             self.tiles.push(Tile { level: tile.level + 1, place, child: 0 });
         }
-        true
+        Ok(true)
     }
 
     /// The tiles that are cut, in the order in which they were.
-    pub fn cuts(&self) -> Vec<u32> {
-        let mut cuts: Vec<u32> = (0..self.tiles.len() as u32).filter(|i| !self.tiles[*i as usize].is_leaf()).collect();
-        cuts.sort_by_key(|i| self.tiles[*i as usize].child);
-        cuts
+    pub fn cuts(&self) -> Result<Vec<u32>> {
+        let is_cut = |i: &u32| !self.tiles[*i as usize].is_leaf();
+        let mut cuts = try_with_capacity(self.tiles.len() >> D, "the cuts")?;
+        cuts.extend((0..self.tiles.len() as u32).filter(is_cut));
+        cuts.sort_unstable_by_key(|i| self.tiles[*i as usize].child);
+        Ok(cuts)
     }
 }
 
@@ -223,7 +233,7 @@ mod tests {
         for _ in 0..40 {
             let level = (4.0 * random.unit()) as u32;
             let place = std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32);
-            tree.cut(level, place);
+            tree.cut(level, place).unwrap();
         }
         assert!(tree.n_levels() > 3);
         for i in 0..2000 {
@@ -247,9 +257,10 @@ mod tests {
     #[test]
     fn leaves_cover_the_box_once() {
         let mut tree = tree([5, 4, 9]);
-        assert!(tree.cut(3, [9, 1, 17]), "with all that hold it");
-        assert!(!tree.cut(3, [9, 1, 17]) && !tree.cut(1, [2, 0, 4]), "it is cut already");
-        assert!(!tree.cut(0, [2, 0, 0]), "beyond the box");
+        let mut cut = |level, place| tree.cut(level, place).unwrap();
+        assert!(cut(3, [9, 1, 17]), "with all that hold it");
+        assert!(!cut(3, [9, 1, 17]) && !cut(1, [2, 0, 4]), "it is cut already");
+        assert!(!cut(0, [2, 0, 0]), "beyond the box");
         let volume = |t: &Tile<3>| tree.cells(t).iter().product::<usize>() as f64 / 8f64.powi(t.level as i32);
         let leaves = tree.tiles().iter().filter(|t| t.is_leaf());
         assert_eq!(leaves.map(volume).sum::<f64>(), 5.0 * 4.0 * 9.0);

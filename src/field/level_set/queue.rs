@@ -1,7 +1,7 @@
 //! Edges in the order of their length: a sorted list of those there are at first, a heap of those that come up on the way.
 
 use crate::Result;
-use crate::error::{Error, try_with_capacity};
+use crate::error::{no_room, try_reserve, try_with_capacity};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -26,7 +26,7 @@ impl Queue {
     pub fn fill(&mut self, edges: impl Iterator<Item = Entry>, what: &str) -> Result<()> {
         debug_assert!(self.sorted.is_empty() && self.later.is_empty());
         for edge in edges {
-            self.sorted.try_reserve(1).map_err(|_| no_room(self.sorted.len(), what))?;
+            try_reserve(&mut self.sorted, 1, what)?;
             self.sorted.push(edge);
         }
         self.sorted.sort_unstable_by(|x, y| y.cmp(x));
@@ -35,7 +35,7 @@ impl Queue {
 
     /// Puts in one edge more.
     pub fn push(&mut self, edge: Entry, what: &str) -> Result<()> {
-        self.later.try_reserve(1).map_err(|_| no_room(self.later.len(), what))?;
+        self.later.try_reserve(1).map_err(|_| no_room::<Entry>(self.later.len() as u128 + 1, what))?;
         self.later.push(Reverse(edge));
         Ok(())
     }
@@ -48,11 +48,6 @@ impl Queue {
             (_, None) => self.sorted.pop(),
         }
     }
-}
-
-/// The error where no room is left beside `len` edges.
-fn no_room(len: usize, what: &str) -> Error {
-    Error::OutOfMemory { what: what.to_owned(), bytes: (len as u128 + 1) * size_of::<Entry>() as u128, limit: None }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use super::super::data::Misfit;
 use super::energy::RefinedEnergy;
 use crate::Result;
-use crate::error::try_with_capacity;
+use crate::error::{try_reserve_entry, try_with_capacity};
 use crate::geometry::vec::{add, norm};
 use crate::spline::tree::{DEEPEST, SIDE, Tree};
 use std::collections::HashMap;
@@ -43,7 +43,9 @@ pub fn marks<const D: usize>(
     let leaves = || tree.tiles().iter().enumerate().filter(|(_, t)| t.is_leaf());
     let mut sums = NormalSums { of_tile: HashMap::new() };
     for (tile, t) in leaves().filter(|(_, t)| may_be_thin(t.level)) {
-        energy.points_of(tile).for_each(|p| sums.add(t.level, &data.xi[p], data.normals[p]));
+        for p in energy.points_of(tile) {
+            sums.add(t.level, &data.xi[p], data.normals[p])?;
+        }
     }
     let mut marks = try_with_capacity(misfits.len(), "the marks of a refinement")?;
     for (tile, t) in leaves().filter(|(_, t)| t.level < DEEPEST) {
@@ -84,11 +86,13 @@ impl<const D: usize> NormalSums<D> {
         [(0, 0.0), (1, 0.5)].map(|(shifted, by)| (2 * level + shifted, xi.map(|x| (x * per_tile + by) as u32)))
     }
 
-    fn add(&mut self, level: u32, xi: &[f64; D], normal: [f64; D]) {
+    fn add(&mut self, level: u32, xi: &[f64; D], normal: [f64; D]) -> Result<()> {
         for window in Self::windows(level, xi) {
+            try_reserve_entry(&mut self.of_tile, "the sums of normals")?;
             let (sum, n) = self.of_tile.entry(window).or_insert(([0.0; D], 0.0));
             (*sum, *n) = (add(*sum, normal), *n + 1.0);
         }
+        Ok(())
     }
 
     /// Whether surface faces surface in a tile of the point.
@@ -101,7 +105,7 @@ impl<const D: usize> NormalSums<D> {
 }
 
 /// Cuts the tiles around the places marked.
-pub fn cut<const D: usize>(tree: &mut Tree<D>, marks: &[Mark<D>]) {
+pub fn cut<const D: usize>(tree: &mut Tree<D>, marks: &[Mark<D>]) -> Result<()> {
     for mark in marks {
         let per_tile = f64::from(1u32 << mark.level) / SIDE as f64;
         let range: [[u32; 2]; D] = std::array::from_fn(|a| {
@@ -111,7 +115,8 @@ pub fn cut<const D: usize>(tree: &mut Tree<D>, marks: &[Mark<D>]) {
         });
         for bits in 0..1_usize << D {
             let place = std::array::from_fn(|a| range[a][bits >> a & 1]);
-            tree.cut(mark.level, place);
+            tree.cut(mark.level, place)?;
         }
     }
+    Ok(())
 }

@@ -6,7 +6,7 @@ use super::super::distance_sampler::{DistanceSampler, Hint};
 use super::super::energy::{self, EnergyWeights};
 use super::leaf_terms::{Diagonal, LeafTerm, Misfits, Product, RightHandSide, Strays, Tables};
 use crate::Result;
-use crate::error::{try_vec, try_with_capacity};
+use crate::error::{try_reserve, try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::isa::dispatch;
 use crate::linalg::cg;
@@ -209,17 +209,18 @@ impl<const D: usize> RefinedEnergy<D> {
                 points[tile].end = at;
             }
         });
-        let mut next: Vec<usize> = points.iter().map(|p| p.start).collect();
+        let mut next = try_with_capacity(points.len(), "the order of the points")?;
+        next.extend(points.iter().map(|p| p.start));
         let mut order = try_vec(n, 0u32, "the order of the points")?;
         for (i, leaf) in leaf_of.iter().enumerate() {
             order[next[*leaf as usize]] = i as u32;
             next[*leaf as usize] += 1;
         }
         let Data { xi, normals, share, mass } = &mut self.data;
-        permute(xi, &order);
-        permute(normals, &order);
-        permute(share, &order);
-        permute(mass, &order);
+        permute(xi, &order)?;
+        permute(normals, &order)?;
+        permute(share, &order)?;
+        permute(mass, &order)?;
         self.points = points;
         Ok(())
     }
@@ -229,8 +230,11 @@ impl<const D: usize> RefinedEnergy<D> {
         let Some(far) = &mut self.far else { return Ok(()) };
         let n = per_pack::<D>();
         let (tree, levels, points, holding) = (&self.tree, &self.levels, &self.points, far.holding);
-        far.distance.resize(tree.tiles().len() * n, 0.0);
-        far.mass.resize(tree.tiles().len() * n, 0.0);
+        for of_cells in [&mut far.distance, &mut far.mass] {
+            let len = tree.tiles().len() * n;
+            try_reserve(of_cells, len - of_cells.len(), "the distances that are held")?;
+            of_cells.resize(len, 0.0);
+        }
         let axes = tree.grid().axes;
         let near = |p: [f64; D]| {
             let (leaf, _) = tree.locate(&std::array::from_fn(|a| p[a] / axes[a].cell));
@@ -336,11 +340,18 @@ impl<const D: usize> RefinedEnergy<D> {
     }
 
     /// How far each point is from what the data ask for; `x` are control points. See [`DataTerm`](super::super::data::DataTerm::misfits).
-    pub fn misfits(&mut self, workers: &Workers, x: &[f64], sign: f64, flattest: f64, misfits: &mut [Misfit]) {
+    pub fn misfits(
+        &mut self,
+        workers: &Workers,
+        x: &[f64],
+        sign: f64,
+        flattest: f64,
+        misfits: &mut [Misfit],
+    ) -> Result<()> {
+        let mut items = try_with_capacity(self.tree.tiles().len(), "the leaves with points")?;
         self.unfold(workers, x);
         // By leaf: the points of one after those of another.
         let mut rest = misfits;
-        let mut items = Vec::new();
         self.tree.walk(|tile, entering| {
             if entering && self.tree.tiles()[tile].is_leaf() && !self.points[tile].is_empty() {
                 let (own, behind) = std::mem::take(&mut rest).split_at_mut(self.points[tile].len());
@@ -351,6 +362,7 @@ impl<const D: usize> RefinedEnergy<D> {
         workers.for_each(items, |(tile, misfits)| {
             dispatch(Misfits { energy: self, tile, sign, flattest, misfits });
         });
+        Ok(())
     }
 
     /// For each tile whether phi is far from the distance that is held in one of its cells, by more than `most` of it; `x` are control
@@ -393,8 +405,11 @@ impl<const D: usize> RefinedEnergy<D> {
     }
 }
 
-fn permute<T: Copy>(x: &mut Vec<T>, order: &[u32]) {
-    *x = order.iter().map(|i| x[*i as usize]).collect();
+fn permute<T: Copy>(x: &mut Vec<T>, order: &[u32]) -> Result<()> {
+    let mut permuted = try_with_capacity(x.len(), "the points in order")?;
+    permuted.extend(order.iter().map(|i| x[*i as usize]));
+    *x = permuted;
+    Ok(())
 }
 
 impl<const D: usize> cg::System for RefinedEnergy<D> {

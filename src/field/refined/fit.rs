@@ -110,7 +110,7 @@ impl<const D: usize> Fitting<'_, '_, D> {
     /// wrong sides too, where that is wanted.
     fn refine(&mut self, x: &[f64], looks_everywhere: bool) -> Result<Option<(Tree<D>, Space<D>)>> {
         let sign = self.options.feasible.sign();
-        self.energy.misfits(self.workers, x, sign, reweight::FLATTEST, &mut self.misfits);
+        self.energy.misfits(self.workers, x, sign, reweight::FLATTEST, &mut self.misfits)?;
         if self.options.max_error == 0.0 || self.full {
             return Ok(None);
         }
@@ -119,8 +119,8 @@ impl<const D: usize> Fitting<'_, '_, D> {
         // As many of them, the worst first, as the limits leave room for.
         let mut n = marks.len();
         while n > 0 {
-            let mut tree = self.energy.tree().clone();
-            cut(&mut tree, &marks[..n]);
+            let mut tree = self.energy.tree().try_clone()?;
+            cut(&mut tree, &marks[..n])?;
             if tree.tiles().len() == self.energy.tree().tiles().len() {
                 return Ok(None);
             }

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, Read};
 use crate::Error;
-use crate::error::{Place, try_with_capacity};
+use crate::error::{Place, try_reserve, try_with_capacity};
 use crate::geometry::Mesh;
 use crate::geometry::vec::Vec3;
 
@@ -91,10 +91,7 @@ pub(super) fn check_vertex_count(n: usize) -> Read<()> {
 
 /// Appends `value` to `vec`, or reports that memory for `what` ran out.
 pub(super) fn push<T>(vec: &mut Vec<T>, value: T, what: &str) -> Read<()> {
-    if vec.try_reserve(1).is_err() {
-        let bytes = (vec.len() as u128 + 1) * size_of::<T>() as u128;
-        return Err(Error::OutOfMemory { what: what.to_owned(), bytes, limit: None }.into());
-    }
+    try_reserve(vec, 1, what)?;
     vec.push(value);
     Ok(())
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use flate2::bufread::MultiGzDecoder;
 
-use crate::error::{Place, try_with_capacity};
+use crate::error::{Place, try_reserve, try_with_capacity};
 use crate::{Error, Result};
 
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
@@ -53,11 +53,7 @@ fn read_all(source: impl Read, expected: u64, limit: u64, io_error: impl Fn(io::
         if len as u64 > limit {
             return Err(too_large(len as u64));
         }
-        bytes.try_reserve(n).map_err(|_| Error::OutOfMemory {
-            what: WHAT.to_owned(),
-            bytes: len as u128,
-            limit: None,
-        })?;
+        try_reserve(&mut bytes, n, WHAT)?;
         bytes.extend_from_slice(&chunk[..n]);
     }
 }

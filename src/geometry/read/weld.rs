@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::builder::{check_vertex_count, push};
 use super::fault::Read;
-use crate::Error;
+use crate::error::try_reserve_entry;
 use crate::geometry::vec::Vec3;
 
 /// Numbers points in the order in which they first come; equal points get one number.
@@ -25,11 +25,7 @@ impl Welder {
         }
         let number = self.vertices.len();
         check_vertex_count(number + 1)?;
-        self.numbers.try_reserve(1).map_err(|_| Error::OutOfMemory {
-            what: "merging equal vertices".into(),
-            bytes: (number as u128 + 1) * size_of::<([u64; 3], u32)>() as u128,
-            limit: None,
-        })?;
+        try_reserve_entry(&mut self.numbers, "merging equal vertices")?;
         push(&mut self.vertices, p, "the vertices")?;
         self.numbers.insert(key, number as u32);
         Ok(number as u32)

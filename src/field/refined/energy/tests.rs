@@ -72,7 +72,7 @@ fn agrees_with_that_of_a_grid<const D: usize>(cloud: &Cloud<D>, n_cells: [usize;
     let workers = Workers::caller_only();
     let mut tree = Tree::new(grid(n_cells)).unwrap();
     if cut {
-        tree.tiles().to_vec().iter().for_each(|t| assert!(tree.cut(0, t.place)));
+        tree.tiles().to_vec().iter().for_each(|t| assert!(tree.cut(0, t.place).unwrap()));
     }
     let (level, factor) = if cut { (1, 2) } else { (0, 1) };
     let of_grid = grid(n_cells.map(|n| n * factor));
@@ -113,7 +113,7 @@ fn cut_at_random<const D: usize>(n_cells: [usize; D], seed: u64) -> Tree<D> {
     let mut tree = Tree::new(grid(n_cells)).unwrap();
     for _ in 0..6 {
         let level = (3.0 * random.unit()) as u32;
-        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32));
+        tree.cut(level, std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32)).unwrap();
     }
     tree
 }
