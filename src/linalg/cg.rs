@@ -91,7 +91,7 @@ pub fn solve(
         if done.iterations > 0 {
             done.rate = (done.residual / first).powf(1.0 / done.iterations as f64);
         }
-        if done.residual <= stop.tolerance || impatient {
+        if done.residual <= stop.tolerance || impatient && done.residual.is_finite() {
             return Ok((x, done));
         }
         if done.iterations >= stop.max_iterations || !done.residual.is_finite() {
@@ -209,6 +209,30 @@ mod tests {
         assert!(patient.rate > 0.0 && patient.rate < 1.0);
         let impatient = with(Some(1));
         assert!(impatient.iterations == Pace::LOOK && impatient.residual > 1e-10, "{impatient:?}");
+    }
+
+    #[test]
+    fn a_residual_that_is_no_number_is_an_error_whoever_is_impatient() {
+        /// A preconditioner that breaks down when patience is asked for the first time.
+        struct Breaking(usize);
+
+        impl System for Breaking {
+            fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
+                Laplacian.apply(workers, x, y);
+            }
+
+            fn precondition(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
+                self.0 += 1;
+                Laplacian.precondition(workers, r, z);
+                z[0] *= if self.0 == Pace::LOOK { f64::NAN } else { 1.0 };
+            }
+        }
+
+        for patience in [None, Some(1000)] {
+            let stop = Stop { tolerance: 1e-30, max_iterations: 100, patience };
+            let end = solve(&mut Breaking(0), &[1.0; 50], vec![0.0; 50], stop, &Workers::caller_only(), |_, _| Ok(()));
+            assert!(matches!(end, Err(Error::NotConverged { iterations: Pace::LOOK, .. })), "{end:?}");
+        }
     }
 
     #[test]
