@@ -75,10 +75,10 @@ impl Workers {
     pub fn for_each<T: Send>(&self, items: impl IntoIterator<Item = T>, work: impl Fn(T) + Send + Sync) {
         match &self.pool {
             None => items.into_iter().for_each(work),
-            Some(pool) => {
-                let items: Vec<T> = items.into_iter().collect();
-                pool.install(|| items.into_par_iter().for_each(work));
-            }
+            Some(pool) => match listed(items) {
+                Ok(items) => pool.install(|| items.into_par_iter().for_each(work)),
+                Err(items) => items.for_each(work),
+            },
         }
     }
 
@@ -90,11 +90,15 @@ impl Workers {
     ) -> Result<()> {
         match &self.pool {
             None => items.into_iter().try_for_each(work),
-            Some(pool) => {
-                let items: Vec<T> = items.into_iter().collect();
-                let results: Vec<Result<()>> = pool.install(|| items.into_par_iter().map(work).collect());
-                results.into_iter().collect()
-            }
+            Some(pool) => match listed(items) {
+                Err(mut items) => items.try_for_each(work),
+                Ok(items) => {
+                    let first = Mutex::new(None);
+                    let work = |(i, item)| work(item).unwrap_or_else(|error| keep_first(&first, i, error));
+                    pool.install(|| items.into_par_iter().enumerate().for_each(work));
+                    first_error(first)
+                }
+            },
         }
     }
 
@@ -165,15 +169,38 @@ pub fn share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) + Sync) ->
 
 /// [`share`] for work that may fail: the error of the first item that failed, in the order of the items.
 pub fn try_share<T: Send>(n_threads: u32, items: Vec<T>, work: impl Fn(T) -> Result<()> + Sync) -> Result<()> {
-    let first = Mutex::new(None::<(usize, Error)>);
+    let first = Mutex::new(None);
     share(n_threads, items.into_iter().enumerate().collect(), |(i, item)| {
-        if let Err(error) = work(item) {
-            let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
-            if first.as_ref().is_none_or(|(at, _)| i < *at) {
-                *first = Some((i, error));
-            }
-        }
+        work(item).unwrap_or_else(|error| keep_first(&first, i, error));
     })?;
+    first_error(first)
+}
+
+/// The items in a list; themselves where there is no room for one, to be worked on one after the other.
+fn listed<I: IntoIterator>(items: I) -> std::result::Result<Vec<I::Item>, I::IntoIter> {
+    let (items, mut list) = (items.into_iter(), Vec::new());
+    match list.try_reserve(items.size_hint().0) {
+        Ok(()) => {
+            list.extend(items);
+            Ok(list)
+        }
+        Err(_) => Err(items),
+    }
+}
+
+/// An error with the place of its item.
+type FirstError = Mutex<Option<(usize, Error)>>;
+
+/// Keeps `error` of item `i`, unless that of an item before it is kept.
+fn keep_first(first: &FirstError, i: usize, error: Error) {
+    let mut first = first.lock().unwrap_or_else(PoisonError::into_inner);
+    if first.as_ref().is_none_or(|(at, _)| i < *at) {
+        *first = Some((i, error));
+    }
+}
+
+/// What was kept.
+fn first_error(first: FirstError) -> Result<()> {
     first.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), |(_, error)| Err(error))
 }
 

@@ -3,6 +3,7 @@
 
 use super::Field;
 use super::refined::Refined;
+use crate::error::try_with_capacity;
 use crate::geometry::vec::text;
 use crate::isa::{self, Isa, Kernel};
 use crate::par::{Workers, try_share};
@@ -85,7 +86,7 @@ impl<const D: usize> Field<D> {
         outputs.check(points.len())?;
         Workers::check(n_threads)?;
         let mut rest = outputs;
-        let mut items = Vec::with_capacity(points.len().div_ceil(ITEM));
+        let mut items = try_with_capacity(points.len().div_ceil(ITEM), "the parts of a batch")?;
         for (i, points) in points.chunks(ITEM).enumerate() {
             let (outputs, behind) = rest.split(points.len());
             rest = behind;

@@ -135,6 +135,9 @@ impl Smoothness {
 /// Numbers of a Band's row.
 const WIDTH: usize = 2 * HALF_BAND + 1;
 
+/// Numbers that four rows of a Band reach.
+const REACH: usize = 2 * HALF_BAND + 4;
+
 #[inline(always)]
 fn four(x: &[f64], k: usize) -> &[f64; 4] {
     x[k..k + 4].try_into().expect("a slice of four")
@@ -162,12 +165,16 @@ impl Kernel for AlongZ<'_> {
     fn run<I: Isa>(self) {
         let AlongZ { bands, x, nz, to } = self;
         let rounded = nz.next_multiple_of(4);
-        // A line of x with zeros around, so that products need not look where it ends.
-        let mut line = vec![0.0; rounded + 2 * HALF_BAND];
         for (j, x) in x.chunks_exact(nz).enumerate() {
-            line[HALF_BAND..HALF_BAND + nz].copy_from_slice(x);
             for k in (0..rounded).step_by(4) {
-                let x: [I::Four; WIDTH] = std::array::from_fn(|d| I::load(four(&line, k + d)));
+                // What four products reach, with zeros beyond the ends of the line.
+                let mut padded = [0.0; REACH];
+                let reached = x.get(k.wrapping_sub(HALF_BAND)..).and_then(|x| x.get(..REACH)).unwrap_or_else(|| {
+                    let (first, end) = (HALF_BAND.saturating_sub(k), (nz + HALF_BAND - k).min(REACH));
+                    padded[first..end].copy_from_slice(&x[k + first - HALF_BAND..k + end - HALF_BAND]);
+                    &padded
+                });
+                let x: [I::Four; WIDTH] = std::array::from_fn(|d| I::load(four(reached, d)));
                 for o in 0..3 {
                     let mut sum = I::splat(0.0);
                     for d in 0..WIDTH {

@@ -165,7 +165,10 @@ impl<const D: usize> Field<D> {
             Some(refined) => {
                 let tree = refined.tree();
                 let leaves = tree.tiles().iter().zip(refined.tables().chunks_exact(per_table::<D>()));
-                workers.for_each(leaves.filter(|(t, _)| t.is_leaf() && tree.holds(t)), |(tile, table)| {
+                workers.for_each(leaves, |(tile, table)| {
+                    if !tile.is_leaf() || !tree.holds(tile) {
+                        return;
+                    }
                     let n = tree.cells(tile);
                     for mut i in 0..n.iter().product() {
                         let (mut place, mut first) = ([0; D], 0);

@@ -12,9 +12,9 @@ use super::Surface;
 use super::quality::Quality;
 use super::queue::{Entry, Queue};
 use super::rings::Rings;
+use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::vec::{dot, sub};
-use crate::{Result, progress::Progress};
 
 /// What the memory is for, should it run out.
 const WORK: &str = "the short edges of the level set";
@@ -29,7 +29,7 @@ const UPRIGHT: f64 = 0.9;
 const NO_SHAPE: f64 = 0.05;
 
 /// Passes over all short edges at most: a collapse may allow others around it that were not before.
-const MOST_PASSES: usize = 4;
+const MOST_PASSES: i32 = 4;
 
 /// The corners of facets that are gone.
 const GONE: u32 = u32::MAX;
@@ -48,18 +48,20 @@ struct Collapse<'a, const D: usize> {
 }
 
 /// Collapses edges shorter than `shortest`, the shortest first, and renumbers what is left in the old order; `h` is the length of the
-/// result's edges.
+/// result's edges. `tell` hears the fraction done.
 pub(super) fn collapse<const D: usize>(
     surface: &mut Surface<D>,
     shortest: f64,
     h: f64,
-    progress: &mut Progress,
+    mut tell: impl FnMut(f64) -> Result<()>,
 ) -> Result<()> {
     let rings = Rings::of(&surface.facets, surface.vertices.len())?;
     let queue = Queue::new(surface.facets.len(), WORK)?;
     let mut work = Collapse { surface, rings, queue, h, shortest, around: [Vec::new(), Vec::new()] };
-    for _ in 0..MOST_PASSES {
-        if work.pass(progress)? == 0 {
+    for pass in 0..MOST_PASSES {
+        // Each pass finds much less to do than the one before.
+        let left = 0.25f64.powi(pass);
+        if work.pass(|done| tell(1.0 - left * (1.0 - 0.75 * done)))? == 0 {
             break;
         }
     }
@@ -67,8 +69,9 @@ pub(super) fn collapse<const D: usize>(
 }
 
 impl<const D: usize> Collapse<'_, D> {
-    /// Goes through all short edges once; gives how many were collapsed.
-    fn pass(&mut self, progress: &mut Progress) -> Result<usize> {
+    /// Goes through all short edges once; gives how many were collapsed. `tell` hears the fraction done.
+    fn pass(&mut self, mut tell: impl FnMut(f64) -> Result<()>) -> Result<usize> {
+        tell(0.0)?;
         self.queue.fill(short_edges(self.surface, self.shortest), WORK)?;
         let (mut judged, mut merged, mut last) = (0_usize, 0, (0, 0));
         while let Some((_, a, b)) = self.queue.pop() {
@@ -78,7 +81,7 @@ impl<const D: usize> Collapse<'_, D> {
             }
             judged += 1;
             if judged.is_multiple_of(4096) {
-                progress.tell(0.0, "collapse")?;
+                tell(judged as f64 / (judged + self.queue.len()) as f64)?;
             }
             if let Some((gone, kept)) = self.judge(a, b) {
                 self.merge(gone, kept)?;

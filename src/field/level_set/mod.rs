@@ -58,6 +58,7 @@ use kuhn::CubeEdge;
 use near::Near;
 pub use options::LevelSetOptions;
 use relax::Relaxation;
+use std::ops::Range;
 
 /// A level set in a box of D dimensions, as a simplicial mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -200,8 +201,7 @@ pub fn extract<F: Function<D>, const D: usize>(
     // The size of the result's facets.
     let h = cubes.shortest_edge().max(shortest);
     if shortest > 0.0 {
-        progress.tell(0.6, "collapse")?;
-        collapse::collapse(&mut surface, shortest, h, progress)?;
+        collapse::collapse(&mut surface, shortest, h, |done| progress.tell(0.6 + 0.2 * done, "collapse"))?;
     }
     let relaxation = Relaxation { phi, level, sign: outward, h, lower: cubes.lower, upper: cubes.upper };
     let tell = |done| progress.tell(0.8 + 0.2 * done, "relaxation");
@@ -253,10 +253,18 @@ fn corner_range<F: Function<D>, const D: usize>(
     workers: &Workers,
     progress: &mut Progress,
 ) -> Result<(f64, f64)> {
-    let cells = Cubes::new(axes, 1)?;
-    let mut values = try_vec(cells.len(), 0.0, "the values at the corners of cells")?;
-    cells.lattice()?.eval(phi, Some(&mut values), None, workers, |_| progress.tell(0.0, "lattice"))?;
-    Ok(range_of(&values))
+    const BLOCK: usize = 1 << 14;
+    let corners = Cubes::new(axes, 1)?.lattice()?;
+    let mut values = try_vec(corners.len().min(BLOCK), 0.0, "the values at the corners of cells")?;
+    let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+    for first in (0..corners.len()).step_by(BLOCK) {
+        let values = &mut values[..BLOCK.min(corners.len() - first)];
+        let which = (values.len(), |places: Range<usize>| first + places.start..first + places.end);
+        corners.eval_some(phi, which, Some(&mut *values), None, workers, |_| progress.tell(0.0, "lattice"))?;
+        let (low, high) = range_of(values);
+        range = (low.min(range.0), high.max(range.1));
+    }
+    Ok(range)
 }
 
 /// Why there is no level set where f has one sign, or phi, from `low` to `high`, is constant but for rounding.

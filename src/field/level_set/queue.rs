@@ -40,6 +40,11 @@ impl Queue {
         Ok(())
     }
 
+    /// Edges in it.
+    pub fn len(&self) -> usize {
+        self.sorted.len() + self.later.len()
+    }
+
     /// Takes the first edge out.
     pub fn pop(&mut self) -> Option<Entry> {
         match (self.sorted.last(), self.later.peek()) {
