@@ -135,6 +135,12 @@ pub fn try_reserve<T>(vec: &mut Vec<T>, more: usize, what: &str) -> Result<()> {
     vec.try_reserve(more).map_err(|_| no_room::<T>(len, what))
 }
 
+/// The same, for no more than that.
+pub fn try_reserve_exact<T>(vec: &mut Vec<T>, more: usize, what: &str) -> Result<()> {
+    let len = vec.len() as u128 + more as u128;
+    vec.try_reserve_exact(more).map_err(|_| no_room::<T>(len, what))
+}
+
 /// Makes room in `map` for one entry more, or gives [`Error::OutOfMemory`] naming `what`.
 pub fn try_reserve_entry<K: Eq + Hash, V>(map: &mut HashMap<K, V>, what: &str) -> Result<()> {
     let len = map.len() as u128 + 1;

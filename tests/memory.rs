@@ -39,12 +39,21 @@ fn fit_counted<const D: usize>(
     n_points: usize,
     options: &FitOptions,
 ) -> (Result<Field<D>, Error>, u64) {
+    counted(mesh, n_points, |cloud| Field::fit(cloud, options, &mut Progress::silent()))
+}
+
+/// What `fit` makes of `n_points` samples of `mesh`, and the most bytes that it and its cloud took.
+fn counted<const D: usize>(
+    mesh: &Mesh<D>,
+    n_points: usize,
+    fit: impl Fn(&Cloud<D>) -> Result<Field<D>, Error>,
+) -> (Result<Field<D>, Error>, u64) {
     let before = TAKEN.load(Ordering::Relaxed);
     let cloud = mesh.sample(n_points, 1).unwrap();
     // As from arrays, without what tells the samples' triangles.
     let cloud = Cloud::new(cloud.points().to_vec(), cloud.normals().to_vec()).unwrap();
     MOST.store(TAKEN.load(Ordering::Relaxed), Ordering::Relaxed);
-    let end = Field::fit(&cloud, options, &mut Progress::silent());
+    let end = fit(&cloud);
     (end, (MOST.load(Ordering::Relaxed) - before) as u64)
 }
 
@@ -107,6 +116,31 @@ fn check_refining<const D: usize>(mesh: &Mesh<D>, n_points: usize, megabytes: [u
     }
 }
 
+/// Refits keep their limits where they begin with more than that allows, and refuse then.
+fn check_refits<const D: usize>(mesh: &Mesh<D>, n_points: usize, n_threads: u32) {
+    let options =
+        FitOptions { control_points: [10; 3], max_error: 1e-4, tolerance: 0.1, n_threads, ..FitOptions::default() };
+    let refined = fit_counted(mesh, n_points, &options).0.unwrap();
+    assert!(refined.is_refined());
+    let mut served = [0; 2];
+    // From what holds the cloud on.
+    for limit in (0..11).map(|i| 1_u64 << (19 + i)) {
+        for max_error in [0.0, 1e-4] {
+            let options = FitOptions { max_error, memory_limit: limit, ..options.clone() };
+            let (end, taken) = counted(mesh, n_points, |cloud| refined.refit(cloud, &options, &mut Progress::silent()));
+            match end {
+                Ok(_) => assert!(taken <= limit, "{n_points} points: {taken} bytes of {limit}"),
+                Err(Error::OutOfMemory { limit: Some(of), bytes, .. }) => {
+                    assert!(of == limit.into() && bytes > of && taken < limit + (1 << 16), "{bytes} of {of}, {taken}");
+                }
+                Err(error) => panic!("{error}"),
+            }
+            served[usize::from(taken > limit / 2)] += 1;
+        }
+    }
+    assert!(served[0] > 0 && served[1] > 0, "{served:?}");
+}
+
 // One test: allocations of another at the same time would count too.
 #[test]
 fn a_fit_stays_within_its_limit_with_a_multigrid_and_without_and_refining() {
@@ -119,4 +153,8 @@ fn a_fit_stays_within_its_limit_with_a_multigrid_and_without_and_refining() {
     check(&circle([0.0; 2], 1.0, 200).unwrap(), 5000, [66, 63, 0]);
     check_refining(&ring, 3000, [16, 40, 100]);
     check_refining(&circle([0.0; 2], 1.0, 200).unwrap(), 1000, [3, 5, 9]);
+    for n_threads in [1, 2] {
+        check_refits(&ring, 3000, n_threads);
+        check_refits(&circle([0.0; 2], 1.0, 200).unwrap(), 1000, n_threads);
+    }
 }

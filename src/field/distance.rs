@@ -72,8 +72,12 @@ impl FarDistances {
             workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
                 let mut hint = Hint::default();
                 for (i, (d, s)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share)) {
-                    (*d, *s) = sampler.at(center(grid, i), |_| near, &mut hint);
-                    *s /= n as f64;
+                    let x = center(grid, i);
+                    (*d, _) = sampler.nearest(x, &mut hint);
+                    if *d > near {
+                        (*d, *s) = sampler.side(x, *d, &mut hint);
+                        *s /= n as f64;
+                    }
                 }
             });
         }

@@ -33,15 +33,22 @@ impl<const D: usize> DistanceSampler<D> {
         Ok(DistanceSampler { sides, turns, same })
     }
 
-    /// d and s at `x`; within `near`, by the nearest point, s is 0, and d has no sign.
-    pub fn at(&self, x: [f64; D], near: impl Fn([f64; D]) -> f64, hint: &mut Hint) -> (f64, f64) {
-        let (nearest, d) = self.sides.nearest(x, &mut hint.point);
-        if d <= near(nearest) {
-            return (d, 0.0);
-        }
+    /// |d| at `x`, and the number of the nearest point.
+    pub fn nearest(&self, x: [f64; D], hint: &mut Hint) -> (f64, u32) {
+        let d = self.sides.nearest(x, &mut hint.point);
+        (d, hint.point as u32)
+    }
+
+    /// The point of a number.
+    pub fn point(&self, number: u32) -> [f64; D] {
+        self.sides.point(number as usize)
+    }
+
+    /// d and s at `x`, of which |d| is `distance`.
+    pub fn side(&self, x: [f64; D], distance: f64, hint: &mut Hint) -> (f64, f64) {
         let t = self.turns[if self.same { 0 } else { self.sides.probe(x, &mut hint.probe) }];
         let side = t - 2.0 * self.sides.winding_number(x);
-        (d.copysign(side), (side * side).min(1.0))
+        (distance.copysign(side), (side * side).min(1.0))
     }
 }
 

@@ -153,8 +153,9 @@ fn read(path: &Path) -> Result<(Header, Content)> {
         crc.update(&count);
         let n = u64::from_le_bytes(count);
         n_cuts = Some(n);
-        // Each cut leaves more functions than there were.
-        let least = HEADER as u128 + 8 + u128::from(n) * 12 + 8 * n_control + CHECKSUM as u128;
+        // A cut is an index, and leaves 2^D - 1 functions more than there were, at least.
+        let of_cut = 4 + 8 * ((1 << fields.dimension) - 1);
+        let least = HEADER as u128 + 8 + u128::from(n) * of_cut + 8 * n_control + CHECKSUM as u128;
         if length < least {
             return Err(too_short(least));
         }

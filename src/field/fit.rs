@@ -4,12 +4,13 @@ use super::data::{Data, Misfit};
 use super::distance::FarDistances;
 use super::energy::Energy;
 use super::levels;
+use super::refined::fit::Spline;
 use super::refined::{self, Refined};
 use super::smoothness::Smoothness;
 use super::system::{Diagonal, FEW, PATIENCE};
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
 use crate::Result;
-use crate::error::{Error, try_vec};
+use crate::error::{Error, try_vec, try_with_capacity};
 use crate::geometry::vec::text;
 use crate::geometry::{Bounds, Cloud};
 use crate::linalg::cg::{self, Stop};
@@ -48,6 +49,7 @@ impl<const D: usize> Field<D> {
     /// Fits a field to `cloud`: minimises the energy (10), with the departures of this room, over the control points.
     pub fn fit(cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
+        check_robust(options, false)?;
         let n_points = cloud.counted_points().count();
         let refines = options.max_error > 0.0;
         let target = if refines { refined::fit::coarsest::<D>() } else { chosen_control_points::<D>(n_points) };
@@ -56,20 +58,25 @@ impl<const D: usize> Field<D> {
         check_size(n_points, &grid, options.memory_limit)?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
-        let start = try_vec(grid.n_control(), 0.0, "the control points")?;
         if refines {
-            fit_tree(Tree::new(grid)?, start, cloud, options, progress)
+            let tree = Tree::new(grid)?;
+            let space = refined::fit::functions(&tree, n_points, options.memory_limit)?;
+            let x = try_vec(space.n_numbers(), 0.0, "the control points")?;
+            fit_tree(Spline { tree, space, x }, cloud, options, progress)
         } else {
+            let start = try_vec(grid.n_control(), 0.0, "the control points")?;
             fit_on(grid, start, cloud, options, progress)
         }
     }
 
     /// Fits a field to another `cloud` on this field's box, from its control points on: for a shape that moves a little from fit to fit,
-    /// which then takes few iterations. Control points and margin of the options do not count. [`Error::InvalidArgument`] for a point
-    /// outside the box.
+    /// which then takes few iterations. Control points and margin of the options do not count. Cells that are refined stay so, and with a
+    /// `max_error` more of them are. [`Error::InvalidArgument`] for a point outside the box.
     pub fn refit(&self, cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
-        check_size(cloud.counted_points().count(), &self.grid, options.memory_limit)?;
+        check_robust(options, self.is_refined())?;
+        let n_points = cloud.counted_points().count();
+        check_size(n_points, &self.grid, options.memory_limit)?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
         if let Some(i) = cloud.points().iter().position(|p| !self.grid.holds(p)) {
@@ -86,13 +93,19 @@ impl<const D: usize> Field<D> {
                  diagonal is served: fit anew"
             )));
         }
-        let control_points = self.refined.as_ref().map_or(&self.coefficients[..], |r| r.active());
-        let mut start = try_vec(control_points.len(), 0.0, "the control points")?;
-        start.iter_mut().zip(control_points).for_each(|(s, c)| *s = c / d);
-        match &self.refined {
-            Some(refined) => fit_tree(refined.tree().try_clone()?, start, cloud, options, progress),
-            None => fit_on(self.grid, start, cloud, options, progress),
+        if self.refined.is_none() && options.max_error == 0.0 {
+            let mut start = try_vec(self.coefficients.len(), 0.0, "the control points")?;
+            start.iter_mut().zip(&self.coefficients).for_each(|(s, c)| *s = c / d);
+            return fit_on(self.grid, start, cloud, options, progress);
         }
+        let tree = self.refined.as_ref().map_or_else(|| Tree::new(self.grid), |r| r.tree().try_clone())?;
+        let space = refined::fit::functions(&tree, n_points, options.memory_limit)?;
+        let mut x = match &self.refined {
+            Some(refined) => space.with_active(refined.active().iter().copied())?,
+            None => space.of_grid(self.grid.shape(), &self.coefficients)?,
+        };
+        x.iter_mut().for_each(|x| *x /= d);
+        fit_tree(Spline { tree, space, x }, cloud, options, progress)
     }
 
     /// The field with the errors at the points of `cloud` in its report.
@@ -152,23 +165,29 @@ fn fit_on<const D: usize>(
     Field::new(grid, coefficients, options.feasible, d, fitting.report).checked(cloud, progress)
 }
 
-/// The fit on `tree`, of which the grid is in the caller's units, from `active` control points on, in units of D; refined where it must be.
+/// The fit from `start` on, with its tree's grid in the caller's units and control points in units of D; refined where it must be. Where
+/// nothing is, the field has one grid.
 fn fit_tree<const D: usize>(
-    tree: Tree<D>,
-    active: Vec<f64>,
+    start: Spline<D>,
     cloud: &Cloud<D>,
     options: &FitOptions,
     progress: &mut Progress,
 ) -> Result<Field<D>> {
-    let (grid, d) = (*tree.grid(), domain::diagonal(&cloud.bounds())?);
+    let (grid, d) = (*start.tree.grid(), domain::diagonal(&cloud.bounds())?);
     let workers = Workers::new(options.n_threads)?;
     let mut report = begun(&grid, cloud);
     let data = Data::new(cloud, &grid)?;
-    let start = (tree.on(in_units_of(&grid, d)), active);
-    let (tree, space, mut active) = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
-    active.iter_mut().for_each(|c| *c *= d);
-    let refined = Refined::new(tree.on(grid), &space, active)?;
-    Field::of_refined(refined, options.feasible, d, report).checked(cloud, progress)
+    let start = Spline { tree: start.tree.on(in_units_of(&grid, d)), ..start };
+    let Spline { tree, space, mut x } = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
+    x.iter_mut().for_each(|x| *x *= d);
+    let field = if tree.n_levels() == 1 {
+        Field::new(grid, space.on_grid(grid.shape(), &x)?, options.feasible, d, report)
+    } else {
+        let mut active = try_with_capacity(space.n_active(), "the control points")?;
+        active.extend(space.active(&x));
+        Field::of_refined(Refined::new(tree.on(grid), &space, active)?, options.feasible, d, report)
+    };
+    field.checked(cloud, progress)
 }
 
 /// The report of a fit that begins.
@@ -313,6 +332,17 @@ impl<const D: usize> Fitting<'_, D> {
 /// The grid with its cells in units of D: what the energy sees.
 fn in_units_of<const D: usize>(grid: &Grid<D>, d: f64) -> Grid<D> {
     Grid { axes: grid.axes.map(|a| Axis { lower: 0.0, cell: a.cell / d, n_cells: a.n_cells }) }
+}
+
+/// Refuses a robust fit on cells that are refined, or may be.
+fn check_robust(options: &FitOptions, refined: bool) -> Result<()> {
+    let advice = match (options.reweighting, refined, options.max_error > 0.0) {
+        (Reweighting::Largest, ..) | (_, false, false) => return Ok(()),
+        (_, true, _) => "the field has refined cells: fit anew on one grid (max_error 0)",
+        (_, false, true) => "take KO_REWEIGHT_LARGEST, or one grid (max_error 0)",
+    };
+    let text = format!("a robust fit leaves points out that refinement cannot tell from errors; {advice}");
+    Err(Error::Unsupported(text))
 }
 
 /// Refuses a fit that would take more than `limit` bytes.

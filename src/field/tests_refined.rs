@@ -18,6 +18,10 @@ fn cube() -> Cloud {
     cloud(box_mesh([0.0; 3], [3.0, 4.0, 5.0]).unwrap(), 4000)
 }
 
+fn cloud_in_plane() -> Cloud<2> {
+    cloud(rectangle([0.0; 2], [2.0, 1.0]).unwrap(), 800)
+}
+
 fn options(max_error: f64) -> FitOptions {
     FitOptions { max_error, control_points: [9, 10, 11], tolerance: 1e-3, n_threads: 1, ..FitOptions::default() }
 }
@@ -178,6 +182,36 @@ fn active_functions_are_independent() {
     is_independent([1, 2, 2], 1);
 }
 
+/// What a file of cuts is believed for: each leaves at least 2^D - 1 functions more.
+fn cuts_add_functions<const D: usize>(n_cells: [usize; D], n_cuts: usize, seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    let mut tree = Tree::new(Grid { axes: n_cells.map(|n| Axis { lower: 0.0, cell: 1.0, n_cells: n }) }).unwrap();
+    let mut before = Space::new(&tree).unwrap().n_active();
+    assert_eq!(before, tree.grid().n_control());
+    for _ in 0..n_cuts {
+        let leaves: Vec<u32> = (0..tree.tiles().len() as u32)
+            .filter(|i| tree.tiles()[*i as usize].is_leaf() && tree.holds(&tree.tiles()[*i as usize]))
+            .collect();
+        // Early tiles as often as late ones: whole levels are cut that way, and single tiles far down.
+        let of = leaves.len() as f64 * if random.unit() < 0.5 { 0.1 } else { 1.0 };
+        assert!(tree.cut_index(leaves[(of * random.unit()) as usize]).unwrap());
+        let after = Space::new(&tree).unwrap().n_active();
+        assert!(after >= before + (1 << D) - 1, "{before} {after}");
+        before = after;
+    }
+}
+
+#[test]
+fn a_cut_leaves_more_functions_than_there_were() {
+    for seed in 0..8 {
+        cuts_add_functions([1, 1], 60, seed);
+        cuts_add_functions([9, 6], 60, seed);
+        cuts_add_functions([1, 1, 1], 40, seed);
+        cuts_add_functions([5, 1, 9], 40, seed);
+        cuts_add_functions([4, 5, 3], 40, seed);
+    }
+}
+
 /// Cut further, the space holds all that it held.
 fn is_nested<const D: usize>(n_cells: [usize; D], seed: u64) {
     let workers = crate::par::Workers::caller_only();
@@ -239,7 +273,7 @@ fn the_error_asked_for_is_reached_with_cells_where_it_is_hard() {
 fn smooth_shapes_need_no_cuts_and_the_plane_has_them_too() {
     let ball = fit(&cloud(sphere([0.0; 3], 1.0, 4).unwrap(), 3000), &FitOptions { max_error: 0.01, ..options(0.0) });
     assert!(ball.report().max <= 0.01);
-    let plate = cloud(rectangle([0.0; 2], [2.0, 1.0]).unwrap(), 800);
+    let plate = cloud_in_plane();
     let field = fit(&plate, &FitOptions { max_error: 1e-3, control_points: [12; 3], ..options(0.0) });
     let report = field.report();
     assert!(report.max <= 1e-3 && report.n_levels > 2 && report.control_points == [12, 12, 0], "{report:?}");
@@ -249,7 +283,7 @@ fn smooth_shapes_need_no_cuts_and_the_plane_has_them_too() {
 
 #[test]
 fn thin_parts_are_kept_whatever_the_error() {
-    // Of a thousandth of the diagonal: with cells of a tenth both faces would be one.
+    // A seventieth of the diagonal thick: with cells of a tenth both faces would be one.
     let plate = cloud(box_mesh([0.0; 3], [1.0, 1.0, 0.02]).unwrap(), 8000);
     let field = fit(&plate, &FitOptions { max_error: 2e-3, control_points: [10, 10, 6], ..options(0.0) });
     assert!(field.report().max <= 2e-3, "{:?}", field.report());
@@ -287,6 +321,45 @@ fn threads_files_and_refits_keep_a_refined_field() {
 }
 
 #[test]
+fn a_refit_of_one_grid_cuts_cells_where_an_error_is_asked_for() {
+    let cloud = cube();
+    let coarse = fit(&cloud, &options(0.0));
+    assert!(!coarse.is_refined() && coarse.report().max > 6e-4);
+    let refit = |field: &Field, options: &FitOptions| field.refit(&cloud, options, &mut Progress::silent());
+    let fine = refit(&coarse, &options(6e-4)).unwrap();
+    assert!(fine.is_refined() && fine.report().max <= 6e-4, "{:?}", fine.report());
+    let plate = cloud_in_plane();
+    let square = fit(&plate, &options(0.0)).refit(&plate, &options(1e-3), &mut Progress::silent()).unwrap();
+    assert!(square.is_refined() && square.report().max <= 1e-3, "{:?}", square.report());
+
+    let robust = |max_error| FitOptions { reweighting: Reweighting::Robust, ..options(max_error) };
+    for (field, options, advice) in [
+        (&coarse, robust(1e-3), "KO_REWEIGHT_LARGEST"),
+        (&fine, robust(1e-3), "fit anew"),
+        (&fine, robust(0.0), "fit anew"),
+    ] {
+        let end = refit(field, &options);
+        assert!(matches!(&end, Err(Error::Unsupported(text)) if text.contains(advice)), "{end:?}");
+    }
+    assert!(refit(&coarse, &robust(0.0)).is_ok());
+}
+
+#[test]
+fn where_nothing_is_cut_the_field_has_one_grid() {
+    fn check<const D: usize>(cloud: &Cloud<D>) {
+        let of = |max_error| fit(cloud, &FitOptions { reweightings: 0, ..options(max_error) });
+        let (one, refined) = (of(0.0), of(1.0));
+        let (a, b) = (one.report(), refined.report());
+        assert!(!refined.is_refined() && b.n_levels == 1 && a.n_unknowns == b.n_unknowns);
+        assert_eq!(refined.coefficients().len() as u64, b.n_unknowns);
+        // Of the same order of points, which a wrong order of control points would not be.
+        assert!(b.max < 2.0 * a.max && b.max > 0.5 * a.max, "{a:?} {b:?}");
+    }
+    check(&cube());
+    check(&cloud_in_plane());
+}
+
+#[test]
 fn limits_end_refinement_and_not_the_fit() {
     let cloud = cube();
     let few = fit(&cloud, &FitOptions { max_unknowns: 3000, ..options(1e-4) });
@@ -307,15 +380,19 @@ fn limits_end_refinement_and_not_the_fit() {
 
 #[test]
 fn a_refining_fit_tells_of_progress_and_stops_where_it_is_asked_to() {
-    let (cloud, mut told, mut last) = (cube(), 0, 0.0);
-    let mut listen = |fraction: f64, _: &str| {
-        assert!((last..=1.0).contains(&fraction), "{last} {fraction}");
-        (told, last) = (told + 1, fraction);
+    let (cloud, mut told) = (cube(), Vec::new());
+    let mut listen = |fraction: f64, stage: &str| {
+        told.push((fraction, stage.to_owned()));
         ControlFlow::Continue(())
     };
     Field::fit(&cloud, &options(3e-3), &mut Progress::new(&mut listen)).unwrap();
-    assert_eq!(last, 1.0);
-    for stop in [1, told / 3, told - 1] {
+    // It goes on all the way: no step is a third of it, and every stage is told of.
+    assert!(told.windows(2).all(|w| w[1].0 - w[0].0 < 1.0 / 3.0), "{told:?}");
+    assert!(told[0].0 < 0.1 && told.last().unwrap().0 == 1.0);
+    for stage in ["assembly", "solve", "refinement", "check", "done"] {
+        assert!(told.iter().any(|(_, told)| told == stage), "{stage} in {told:?}");
+    }
+    for stop in (1..told.len()).step_by(told.len() / 40 + 1) {
         let mut n = 0;
         let mut listen = |_: f64, _: &str| {
             n += 1;
@@ -425,14 +502,18 @@ fn files_gone_bad_are_refused_wherever_they_are_cut_and_whatever_they_claim() {
     for n in (0..good.len()).step_by(7).chain([160, 161, 167, 168, good.len() - 1]) {
         refused(&good[..n]);
     }
-    // With a checksum that fits: a cut of no tile, of one twice, of one beyond the box; counts that are not the file's; half a number.
-    let crafted = |at: usize, bytes: &[u8]| {
-        let mut crafted = good[..good.len() - 4].to_vec();
-        crafted.splice(at..at + bytes.len(), bytes.iter().copied());
-        let sum = crc32fast::hash(&crafted);
-        crafted.extend(sum.to_le_bytes());
-        refused(&crafted);
+    // With a checksum that fits, so that what is wrong must be seen.
+    let summed = |mut bytes: Vec<u8>| {
+        bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
+        bytes
     };
+    let bare = &good[..good.len() - 4];
+    let crafted = |at: usize, with: &[u8]| {
+        let mut crafted = bare.to_vec();
+        crafted[at..at + with.len()].copy_from_slice(with);
+        refused(&summed(crafted));
+    };
+    // A cut of no tile, of one twice, counts that are not the file's, another version, no number.
     crafted(168, &u32::MAX.to_le_bytes());
     crafted(172, &good[168..172]);
     for n in [0, n_cuts as u64 - 1, n_cuts as u64 + 1, u64::MAX] {
@@ -441,10 +522,37 @@ fn files_gone_bad_are_refused_wherever_they_are_cut_and_whatever_they_claim() {
     crafted(16, &[7]);
     crafted(8, &[1]);
     crafted(good.len() - 12, &f64::NAN.to_le_bytes());
-    let mut longer = good[..good.len() - 4].to_vec();
-    longer.extend([0; 4]);
-    let sum = crc32fast::hash(&longer);
-    longer.extend(sum.to_le_bytes());
-    refused(&longer);
+    // Half a number more than there should be, and a whole one.
+    for n in [4, 8] {
+        refused(&summed([bare, &vec![0; n]].concat()));
+    }
+    // With other cuts and as many control points as they could have.
+    let with_cuts = |cuts: &[u32], control_points: usize| {
+        let mut bytes = good[..160].to_vec();
+        bytes.extend((cuts.len() as u64).to_le_bytes());
+        bytes.extend(cuts.iter().flat_map(|c| c.to_le_bytes()));
+        bytes.extend(vec![0; 8 * control_points]);
+        summed(bytes)
+    };
+    // The grid has 5 by 5 cells, so four tiles; of the parts of the last, one has a cell, the others lie beyond the box.
+    assert_eq!(field.grid().n_cells(), [5, 5]);
+    refused(&with_cuts(&[3, 7], 1000));
+    // A chain of cuts goes down to the deepest level, and no further.
+    let mut chain = vec![0];
+    chain.extend((0..15).map(|level| 4 + 4 * level));
+    let mut tree = Tree::new(*field.grid()).unwrap();
+    chain.iter().for_each(|c| assert!(tree.cut_index(*c).unwrap()));
+    let n = Space::new(&tree).unwrap().n_active();
+    std::fs::write(&path, with_cuts(&chain, n)).unwrap();
+    let deepest = Field::<2>::load(&path).unwrap();
+    assert_eq!((deepest.report().n_levels, deepest.report().n_unknowns), (17, n as u64));
+    chain.push(4 + 4 * 15);
+    refused(&with_cuts(&chain, n + 100));
+    // Thousands of cuts in a file that is too short for their functions are refused by its length alone.
+    let many: Vec<u32> = (0..5000).collect();
+    std::fs::write(&path, with_cuts(&many, 64 + 5000 * 2)).unwrap();
+    let end = Field::<2>::load(&path).unwrap_err().to_string();
+    assert!(end.contains("its header announces"), "{end}");
+    refused(&with_cuts(&many, 64 + 5000 * 3));
     std::fs::remove_file(&path).unwrap();
 }

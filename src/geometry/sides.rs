@@ -139,10 +139,14 @@ impl<const D: usize> NearSides<D> {
         Ok(NearSides { points, surfels: tree, probes, beside })
     }
 
-    /// The point nearest to `x`, and its distance; `hint` as [`Neighbours::nearest_from`] takes it.
-    pub fn nearest(&self, x: [f64; D], hint: &mut usize) -> ([f64; D], f64) {
-        let distance = self.points.nearest_from(x, hint).distance_squared.sqrt();
-        (self.points.at(*hint), distance)
+    /// The distance of the point nearest to `x`, whose place in order goes into `hint`, as [`Neighbours::nearest_from`] takes it.
+    pub fn nearest(&self, x: [f64; D], hint: &mut usize) -> f64 {
+        self.points.nearest_from(x, hint).distance_squared.sqrt()
+    }
+
+    /// The point at `place` in order.
+    pub fn point(&self, place: usize) -> [f64; D] {
+        self.points.at(place)
     }
 
     /// W, to about 0.1.

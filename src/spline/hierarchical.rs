@@ -222,6 +222,34 @@ impl<const D: usize> Space<D> {
         Ok(x)
     }
 
+    /// The vector of the row-major `control_points` on a grid of `shape`, of which none of the cells is cut.
+    pub fn of_grid(&self, shape: [usize; D], control_points: &[f64]) -> Result<Vec<f64>> {
+        let mut x = try_vec(self.n_numbers(), 0.0, "the control points")?;
+        self.for_grid(shape, |number, at| x[number] = control_points[at]);
+        Ok(x)
+    }
+
+    /// The control points of level 0 in `x`, row-major on the grid of `shape`.
+    pub fn on_grid(&self, shape: [usize; D], x: &[f64]) -> Result<Vec<f64>> {
+        let mut control_points = try_vec(shape.iter().product(), 0.0, "the control points")?;
+        self.for_grid(shape, |number, at| control_points[at] = x[number]);
+        Ok(control_points)
+    }
+
+    /// Calls `pair(place in a vector, row-major place)` for the functions of level 0 on a grid of `shape` control points.
+    fn for_grid(&self, shape: [usize; D], mut pair: impl FnMut(usize, usize)) {
+        let n = per_pack::<D>();
+        for (&(_, place), &number) in self.numbers.iter().filter(|((level, _), _)| *level == 0) {
+            for f in 0..n {
+                let at: [usize; D] =
+                    std::array::from_fn(|a| SIDE * place[a] as usize + f / SIDE.pow((D - 1 - a) as u32) % SIDE);
+                if (0..D).all(|a| at[a] < shape[a]) {
+                    pair(number as usize * n + f, (0..D).fold(0, |i, a| i * shape[a] + at[a]));
+                }
+            }
+        }
+    }
+
     /// Control points of this space for the spline that `x` is in `other`, of the same tree when less of it was cut.
     pub fn take_over(&self, other: &Self, x: &[f64], workers: &Workers) -> Result<Vec<f64>> {
         let mut mine = try_vec(self.n_numbers(), 0.0, "the control points")?;

@@ -1,11 +1,11 @@
 //! Where to refine: where the surface misses points by more than it may, where parts are thin, and where phi is far from the distances held.
 
-use super::super::data::Misfit;
 use super::energy::RefinedEnergy;
 use crate::Result;
 use crate::error::{try_reserve_entry, try_with_capacity};
 use crate::geometry::vec::{add, norm};
 use crate::spline::tree::{DEEPEST, SIDE, Tree};
+use std::cmp::Ordering;
 use std::collections::HashMap;
 
 /// Cells of the coarser level around a point that are refined: those that its four finer functions along an axis reach.
@@ -29,11 +29,11 @@ pub struct Mark<const D: usize> {
     excess: f64,
 }
 
-/// Marks the points that the surface misses by more than `max_error`, in units of D; and, but where `strays` is empty, points of thin parts
+/// Marks the points that the surface misses by more than `max_error`, by their `errors`, both in units of D; and, but where `strays` is empty, points of thin parts
 /// and the tiles for which it is true. The worst come first.
 pub fn marks<const D: usize>(
     energy: &RefinedEnergy<D>,
-    misfits: &[Misfit],
+    errors: &[f64],
     strays: &[bool],
     max_error: f64,
 ) -> Result<Vec<Mark<D>>> {
@@ -47,14 +47,14 @@ pub fn marks<const D: usize>(
             sums.add(t.level, &data.xi[p], data.normals[p])?;
         }
     }
-    let mut marks = try_with_capacity(misfits.len(), "the marks of a refinement")?;
+    let mut marks = try_with_capacity(errors.len() + strays.len(), "the marks of a refinement")?;
     for (tile, t) in leaves().filter(|(_, t)| t.level < DEEPEST) {
         let points = energy.points_of(tile);
         if points.len() < FEWEST {
             continue;
         }
         for p in points {
-            let excess = misfits[p].value / max_error;
+            let excess = errors[p] / max_error;
             let is_thin = may_be_thin(t.level) && sums.face(t.level, &data.xi[p]);
             if excess > 1.0 || is_thin {
                 marks.push(Mark { at: data.xi[p], level: t.level, excess });
@@ -66,7 +66,11 @@ pub fn marks<const D: usize>(
         let at = t.place.map(|p| (f64::from(p) + 0.5) * per_tile);
         marks.push(Mark { at, level: t.level, excess: 1.0 });
     }
-    marks.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    // Marks as bad as each other by their place, so that there is one outcome.
+    let place = |a: &Mark<D>, b: &Mark<D>| {
+        a.at.iter().zip(&b.at).map(|(a, b)| a.total_cmp(b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
+    };
+    marks.sort_unstable_by(|a, b| b.excess.total_cmp(&a.excess).then_with(|| place(a, b)));
     Ok(marks)
 }
 

@@ -1,15 +1,16 @@
 //! The energy (10) on hierarchical splines: a sum over the leaves of the tree, in each of which phi is a spline of one level.
 
-use super::super::data::{Data, Misfit};
+use super::super::data::Data;
 use super::super::distance::CLEAR;
 use super::super::distance_sampler::{DistanceSampler, Hint};
 use super::super::energy::{self, EnergyWeights};
-use super::leaf_terms::{Diagonal, LeafTerm, Misfits, Product, RightHandSide, Strays, Tables};
+use super::leaf_terms::{Diagonal, Errors, LeafTerm, Product, RightHandSide, Strays, Tables};
 use crate::Result;
-use crate::error::{try_reserve, try_vec, try_with_capacity};
+use crate::error::{try_reserve_exact, try_vec, try_with_capacity};
 use crate::geometry::Cloud;
 use crate::isa::dispatch;
 use crate::linalg::cg;
+use crate::linalg::vector::update;
 use crate::par::Workers;
 use crate::spline::hierarchical::{Space, per_pack, per_table, strides};
 use crate::spline::kernel::Stencil;
@@ -34,7 +35,7 @@ pub struct Holding {
 /// What lambda_n falls by from level to level, as h^2: the gradient's part of a function's energy beside that of its values stays the same.
 const NORMAL_FALL: f64 = 0.25;
 
-/// What lambda_r falls by from level to level. With 1/8, as h^3, smoothness would keep its proportion to the values' energy too, and beside
+/// What lambda_r falls by from level to level: as h^2.3. With 1/8, as h^3, smoothness would keep its proportion to the values' energy too, and beside
 /// edges phi would pass through 0 twice as often where no surface is; with 1/4 it does so no less, and the error grows.
 const SMOOTH_FALL: f64 = 0.2;
 
@@ -64,13 +65,25 @@ pub struct RefinedEnergy<const D: usize> {
     tables: Vec<f64>,
     /// A vector of control points: what was unfolded, or room.
     pub(super) scratch: Vec<f64>,
-    diagonal: Vec<f64>,
+    /// The preconditioner: the inverse of the form's diagonal, 0 for functions that are not active.
+    inverse: Vec<f64>,
 }
+
+/// What the memory is for, should it run out.
+const WHAT: &str = "the distances that are held";
+
+/// No point.
+const NONE: u32 = u32::MAX;
+
+/// Tiles of which distances are measured between two words of progress.
+const ROUND: usize = 64 * CHUNK;
 
 /// Distances to hold.
 pub(super) struct Far<const D: usize> {
     sampler: DistanceSampler<D>,
     holding: Holding,
+    /// The point nearest to the middle of each cell of leaves, by its number in the sampler [tiles][4^D].
+    nearest: Vec<u32>,
     /// d in the middle of each cell, and lambda_d times its share of the cells; of a tile that is cut only the shares, as its parts have them
     /// [tiles][4^D].
     pub(super) distance: Vec<f64>,
@@ -81,13 +94,14 @@ pub(super) struct Far<const D: usize> {
 
 impl<const D: usize> RefinedEnergy<D> {
     /// The form on the cells of `tree`, its grid in units of D, with its functions `space`, for `data` in its cells. Distances to the points
-    /// are held as `holding` says.
+    /// are held as `holding` says. `tell` is called from time to time, and may stop.
     pub fn new(
         (tree, space): (Tree<D>, Space<D>),
         data: Data<D>,
         weights: EnergyWeights,
         holding: Holding,
         workers: &Workers,
+        mut tell: impl FnMut() -> Result<()>,
     ) -> Result<Self> {
         let far = if holding.weight > 0.0 {
             let axes = tree.grid().axes;
@@ -95,8 +109,10 @@ impl<const D: usize> RefinedEnergy<D> {
             points.extend(data.xi.iter().map(|xi| std::array::from_fn(|a| xi[a] * axes[a].cell)));
             let mut normals = try_with_capacity(data.xi.len(), "the normals")?;
             normals.extend_from_slice(&data.normals);
+            tell()?;
             let sampler = DistanceSampler::new(Cloud::new(points, normals)?, workers)?;
-            Some(Far { sampler, holding, distance: Vec::new(), mass: Vec::new(), counts: [0; 2] })
+            let (nearest, distance, mass) = (Vec::new(), Vec::new(), Vec::new());
+            Some(Far { sampler, holding, nearest, distance, mass, counts: [0; 2] })
         } else {
             None
         };
@@ -110,9 +126,9 @@ impl<const D: usize> RefinedEnergy<D> {
             far,
             tables: Vec::new(),
             scratch: Vec::new(),
-            diagonal: Vec::new(),
+            inverse: Vec::new(),
         };
-        energy.renew(workers)?;
+        energy.renew(workers, tell)?;
         Ok(energy)
     }
 
@@ -150,21 +166,30 @@ impl<const D: usize> RefinedEnergy<D> {
         (self.tree, self.space)
     }
 
-    /// Bytes that a tile takes: itself, its table and that of the field, distances and masses, its points.
+    /// Bytes that a tile takes: itself, its table and that of the field, nearest points, distances and masses, its points.
     pub fn bytes_of_tile() -> u64 {
-        (size_of::<Tile<D>>() + 8 * (2 * per_table::<D>() + 2 * per_pack::<D>()) + size_of::<Range<usize>>()) as u64
+        let of_cells = per_pack::<D>() * (size_of::<u32>() + 2 * size_of::<f64>());
+        (size_of::<Tile<D>>() + 8 * 2 * per_table::<D>() + of_cells + size_of::<Range<usize>>()) as u64
     }
 
-    /// Goes over to `tree`, of the same tiles with more of them cut, and the functions `space` of it; x of the same spline there.
-    pub fn refine(&mut self, tree: Tree<D>, space: Space<D>, x: &[f64], workers: &Workers) -> Result<Vec<f64>> {
+    /// Goes over to `tree`, of the same tiles with more of them cut, and the functions `space` of it; x of the same spline there. `tell` is
+    /// called from time to time, and may stop, after which the form is of no use.
+    pub fn refine(
+        &mut self,
+        tree: Tree<D>,
+        space: Space<D>,
+        x: &[f64],
+        workers: &Workers,
+        tell: impl FnMut() -> Result<()>,
+    ) -> Result<Vec<f64>> {
         let x = space.take_over(&self.space, x, workers)?;
         (self.tree, self.space) = (tree, space);
-        self.renew(workers)?;
+        self.renew(workers, tell)?;
         Ok(x)
     }
 
     /// What depends on the tree.
-    fn renew(&mut self, workers: &Workers) -> Result<()> {
+    fn renew(&mut self, workers: &Workers, tell: impl FnMut() -> Result<()>) -> Result<()> {
         let grid = *self.tree.grid();
         let volume: f64 = grid.axes.iter().map(|a| a.cell * a.n_cells as f64).product();
         let n_cells: f64 = grid.axes.iter().map(|a| a.n_cells as f64).product();
@@ -182,10 +207,10 @@ impl<const D: usize> RefinedEnergy<D> {
             });
         }
         self.sort_points()?;
-        self.measure_distances(workers)?;
+        self.measure_distances(workers, tell)?;
         self.tables = try_vec(self.tree.tiles().len() * per_table::<D>(), 0.0, "the tables of the tiles")?;
         self.scratch = try_vec(self.space.n_numbers(), 0.0, "the control points")?;
-        self.diagonal = try_vec(self.space.n_numbers(), 0.0, "the diagonal")?;
+        self.inverse = try_vec(self.space.n_numbers(), 0.0, "the preconditioner")?;
         Ok(())
     }
 
@@ -225,43 +250,59 @@ impl<const D: usize> RefinedEnergy<D> {
         Ok(())
     }
 
-    /// Distances of the cells of new tiles, and of those that no longer are near: within a cell of the surface as its own leaves have it.
-    fn measure_distances(&mut self, workers: &Workers) -> Result<()> {
+    /// Distances of the cells of leaves, held where they are farther from the surface than it is resolved there. What is measured once is
+    /// kept; which are held depends on the tree alone, not on how it came about.
+    fn measure_distances(&mut self, workers: &Workers, mut tell: impl FnMut() -> Result<()>) -> Result<()> {
         let Some(far) = &mut self.far else { return Ok(()) };
         let n = per_pack::<D>();
         let (tree, levels, points, holding) = (&self.tree, &self.levels, &self.points, far.holding);
+        let more = tree.tiles().len() * n - far.distance.len();
         for of_cells in [&mut far.distance, &mut far.mass] {
-            let len = tree.tiles().len() * n;
-            try_reserve(of_cells, len - of_cells.len(), "the distances that are held")?;
-            of_cells.resize(len, 0.0);
+            try_reserve_exact(of_cells, more, WHAT)?;
+            of_cells.resize(of_cells.len() + more, 0.0);
         }
+        try_reserve_exact(&mut far.nearest, more, WHAT)?;
+        far.nearest.resize(far.nearest.len() + more, NONE);
         let axes = tree.grid().axes;
         let near = |p: [f64; D]| {
             let (leaf, _) = tree.locate(&std::array::from_fn(|a| p[a] / axes[a].cell));
             let cell = levels[tree.tiles()[leaf].level as usize].longest_cell;
-            let spacing = SIDE as f64 / (points[leaf].len() as f64).powf(1.0 / (D - 1) as f64);
+            // One at least: rounding may place the point beyond a face of the leaf that counts it.
+            let spacing = SIDE as f64 / (points[leaf].len().max(1) as f64).powf(1.0 / (D - 1) as f64);
             cell * holding.nearest.max(holding.spacings * spacing)
         };
         let sampler = &far.sampler;
-        let of_tiles = far.distance.chunks_mut(n).zip(far.mass.chunks_mut(n));
-        workers.for_each(tree.tiles().iter().zip(of_tiles), |(tile, (distance, mass))| {
-            if !tile.is_leaf() {
-                return;
-            }
-            let (level, cells) = (&levels[tile.level as usize], tree.cells(tile));
-            let mut hint = Hint::default();
-            for (c, (d, m)) in distance.iter_mut().zip(mass).enumerate() {
-                let at: [usize; D] = std::array::from_fn(|a| c / SIDE.pow((D - 1 - a) as u32) % SIDE);
-                if *m > 0.0 || (0..D).any(|a| at[a] >= cells[a]) {
-                    continue;
+        let cells = far.nearest.chunks_mut(n).zip(far.distance.chunks_mut(n)).zip(far.mass.chunks_mut(n));
+        let mut of_tiles = tree.tiles().iter().zip(cells);
+        for _ in (0..tree.tiles().len()).step_by(ROUND) {
+            tell()?;
+            workers.for_each(of_tiles.by_ref().take(ROUND), |(tile, ((nearest, distance), mass))| {
+                if !tile.is_leaf() {
+                    return;
                 }
-                let x =
-                    std::array::from_fn(|a| ((SIDE * tile.place[a] as usize + at[a]) as f64 + 0.5) / level.per_cell[a]);
-                let s;
-                (*d, s) = sampler.at(x, near, &mut hint);
-                *m = level.distance_weight * s;
-            }
-        });
+                let (level, cells) = (&levels[tile.level as usize], tree.cells(tile));
+                let mut hint = Hint::default();
+                for (c, ((i, d), m)) in nearest.iter_mut().zip(distance).zip(mass).enumerate() {
+                    let at: [usize; D] = std::array::from_fn(|a| c / SIDE.pow((D - 1 - a) as u32) % SIDE);
+                    if (0..D).any(|a| at[a] >= cells[a]) {
+                        continue;
+                    }
+                    let x = std::array::from_fn(|a| {
+                        ((SIDE * tile.place[a] as usize + at[a]) as f64 + 0.5) / level.per_cell[a]
+                    });
+                    if *i == NONE {
+                        (*d, *i) = sampler.nearest(x, &mut hint);
+                    }
+                    if d.abs() <= near(sampler.point(*i)) {
+                        *m = 0.0;
+                    } else if *m == 0.0 {
+                        let s;
+                        (*d, s) = sampler.side(x, d.abs(), &mut hint);
+                        *m = level.distance_weight * s;
+                    }
+                }
+            });
+        }
         // Parts come after what they are parts of.
         for i in (0..tree.tiles().len()).rev() {
             let tile = tree.tiles()[i];
@@ -302,12 +343,13 @@ impl<const D: usize> RefinedEnergy<D> {
         energy::check_normals(&b, self.weights.normal, self.tree.grid(), self.data.xi.len())
     }
 
-    /// The preconditioner: the diagonal of the form, as the cells of a function's own level have it.
-    pub fn renew_diagonal(&mut self, workers: &Workers) {
+    /// The preconditioner, by the diagonal as the cells of a function's own level have it.
+    pub fn renew_preconditioner(&mut self, workers: &Workers) {
         let mut tables = std::mem::take(&mut self.tables);
         self.fill_tables(workers, &mut tables, |_| true, Diagonal);
-        self.space.sum_tables(workers, &tables, |_| true, &mut self.diagonal);
-        self.space.keep_active(&mut self.diagonal);
+        self.space.sum_tables(workers, &tables, |_| true, &mut self.inverse);
+        self.space.keep_active(&mut self.inverse);
+        self.inverse.iter_mut().filter(|d| **d > 0.0).for_each(|d| *d = 1.0 / *d);
         self.tables = tables;
     }
 
@@ -339,19 +381,12 @@ impl<const D: usize> RefinedEnergy<D> {
         });
     }
 
-    /// How far each point is from what the data ask for; `x` are control points. See [`DataTerm`](super::super::data::DataTerm::misfits).
-    pub fn misfits(
-        &mut self,
-        workers: &Workers,
-        x: &[f64],
-        sign: f64,
-        flattest: f64,
-        misfits: &mut [Misfit],
-    ) -> Result<()> {
+    /// |phi| at each point, in units of D; `x` are control points.
+    pub fn errors(&mut self, workers: &Workers, x: &[f64], errors: &mut [f64]) -> Result<()> {
         let mut items = try_with_capacity(self.tree.tiles().len(), "the leaves with points")?;
         self.unfold(workers, x);
         // By leaf: the points of one after those of another.
-        let mut rest = misfits;
+        let mut rest = errors;
         self.tree.walk(|tile, entering| {
             if entering && self.tree.tiles()[tile].is_leaf() && !self.points[tile].is_empty() {
                 let (own, behind) = std::mem::take(&mut rest).split_at_mut(self.points[tile].len());
@@ -359,9 +394,7 @@ impl<const D: usize> RefinedEnergy<D> {
                 items.push((tile, own));
             }
         });
-        workers.for_each(items, |(tile, misfits)| {
-            dispatch(Misfits { energy: self, tile, sign, flattest, misfits });
-        });
+        workers.for_each(items, |(tile, errors)| dispatch(Errors { energy: self, tile, errors }));
         Ok(())
     }
 
@@ -418,10 +451,9 @@ impl<const D: usize> cg::System for RefinedEnergy<D> {
         self.by_leaf(workers, y, Product);
     }
 
-    fn precondition(&mut self, _: &Workers, r: &[f64], z: &mut [f64]) {
-        for ((z, r), d) in z.iter_mut().zip(r).zip(&self.diagonal) {
-            *z = if *d > 0.0 { r / d } else { 0.0 };
-        }
+    fn precondition(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
+        update(workers, z, r, |r, _| r);
+        update(workers, z, &self.inverse, |inverse, z| inverse * z);
     }
 }
 

@@ -1,11 +1,11 @@
 //! The fit: solve, look, cut, until the surface misses no point by more than it may.
 
-use super::super::data::{Data, Misfit};
-use super::super::{FitOptions, FitReport, Reweighting, reweight};
+use super::super::data::Data;
+use super::super::{FitOptions, FitReport, reweight};
 use super::cuts::{cut, marks};
 use super::energy::{Holding, RefinedEnergy};
 use crate::Result;
-use crate::error::{Error, try_vec, try_with_capacity};
+use crate::error::{Error, try_vec};
 use crate::linalg::cg::{self, Stop};
 use crate::linalg::vector::{norm, update};
 use crate::par::Workers;
@@ -30,13 +30,24 @@ const MISSED: f64 = 2.0;
 /// Rounds of cuts: each goes a level deeper, or wider.
 const MOST_ROUNDS: u32 = 40;
 
+/// A spline on a tree.
+pub struct Spline<const D: usize> {
+    /// The cells.
+    pub tree: Tree<D>,
+    /// Its functions.
+    pub space: Space<D>,
+    /// The control points, as vectors of the space have them.
+    pub x: Vec<f64>,
+}
+
 /// What a fit works with.
 struct Fitting<'a, 'b, const D: usize> {
     options: &'a FitOptions,
     workers: &'a Workers,
     clock: Instant,
     energy: RefinedEnergy<D>,
-    misfits: Vec<Misfit>,
+    /// |phi| at the points, in units of D.
+    errors: Vec<f64>,
     report: &'a mut FitReport,
     progress: &'a mut Progress<'b>,
     /// The fraction of the work that is done.
@@ -45,40 +56,36 @@ struct Fitting<'a, 'b, const D: usize> {
     full: bool,
 }
 
-/// Fits `data`, which is in the cells of the tree's grid, from `start` on: a tree with its grid in units of D, and control points of its
-/// active functions. Refines it until the largest error is at most that of the options, or its control points or bytes reach their limit:
-/// the tree then, its functions and the control points of the active ones, in units of D. `report` gets what the fit did, but for the
-/// errors at the points. Without `max_error` nothing is refined.
+/// Fits `data`, which is in the cells of the tree's grid, from `start` on: with the grid of its tree, and the spline, in units of D. Refines
+/// it until the largest error is at most that of the options, or its control points or bytes reach their limit: the spline then. `report`
+/// gets what the fit did, but for the errors at the points. Without `max_error` nothing is refined.
 pub fn fit<const D: usize>(
-    start: (Tree<D>, Vec<f64>),
+    start: Spline<D>,
     data: Data<D>,
     options: &FitOptions,
     workers: &Workers,
     report: &mut FitReport,
     progress: &mut Progress,
-) -> Result<(Tree<D>, Space<D>, Vec<f64>)> {
-    if options.reweighting == Reweighting::Robust {
-        let text = "a robust fit leaves points out that refinement cannot tell from errors; take KO_REWEIGHT_LARGEST, or one grid \
-                    (max_error 0)";
-        return Err(Error::Unsupported(text.into()));
-    }
+) -> Result<Spline<D>> {
     let (clock, n_points) = (Instant::now(), data.xi.len());
-    progress.tell(0.0, "assembly")?;
-    let (tree, active) = start;
-    let space = Space::new(&tree)?;
-    let mut x = space.with_active(active.into_iter())?;
+    let mut tell = || progress.tell(0.0, "assembly");
+    tell()?;
+    let Spline { tree, space, mut x } = start;
     let holding = Holding { weight: options.distance_weight, nearest: NEAREST, spacings: 1.0 };
-    let energy = RefinedEnergy::new((tree, space), data, options.weights(), holding, workers)?;
-    let misfits = try_vec(n_points, Misfit::default(), "the misfits of the points")?;
-    let mut fitting = Fitting { options, workers, clock, energy, misfits, report, progress, done: 0.05, full: false };
+    let energy = RefinedEnergy::new((tree, space), data, options.weights(), holding, workers, tell)?;
+    let errors = try_vec(n_points, 0.0, "the errors at the points")?;
+    let mut fitting = Fitting { options, workers, clock, energy, errors, report, progress, done: 0.05, full: false };
     fitting.energy.check_normals(workers)?;
     fitting.report.seconds_assembly += fitting.lap();
 
     for round in 1..=MOST_ROUNDS {
         // What comes out must be solved to the end.
         fitting.full |= round == MOST_ROUNDS;
-        x = fitting.solve(x, true, 0.3)?;
-        let mut further = fitting.refine(&x, true)?;
+        let mut further = None;
+        if fitting.may_cut() {
+            x = fitting.solve(x, true, 0.3)?;
+            further = fitting.refine(&x, true)?;
+        }
         if further.is_none() {
             x = fitting.solve(x, false, 0.6)?;
             further = fitting.refine(&x, false)?;
@@ -91,7 +98,9 @@ pub fn fit<const D: usize>(
             further = fitting.refine(&x, false)?;
         }
         let Some((tree, space)) = further else { break };
-        x = fitting.energy.refine(tree, space, &x, workers)?;
+        let done = fitting.done;
+        let tell = || fitting.progress.tell(done, "assembly");
+        x = fitting.energy.refine(tree, space, &x, workers, tell)?;
         fitting.energy.reset_weights();
         fitting.report.seconds_assembly += fitting.lap();
     }
@@ -100,36 +109,49 @@ pub fn fit<const D: usize>(
     report.n_unknowns = energy.space().n_active() as u64;
     report.clear_sides = energy.clear();
     let (tree, space) = energy.into_tree();
-    let mut active = try_with_capacity(space.n_active(), "the control points")?;
-    active.extend(space.active(&x));
-    Ok((tree, space, active))
+    Ok(Spline { tree, space, x })
 }
 
 impl<const D: usize> Fitting<'_, '_, D> {
-    /// Measures the misfits of `x`, and gives the tree to go on with where some are too large, within the limits; looks for thin parts and
+    /// Whether cells may be cut.
+    fn may_cut(&self) -> bool {
+        self.options.max_error > 0.0 && !self.full
+    }
+
+    /// Tells what is done, between one piece of work and the next.
+    fn tell(&mut self, stage: &str) -> Result<()> {
+        self.progress.tell(self.done, stage)
+    }
+
+    /// Measures the errors of `x`, and gives the tree to go on with where some are too large, within the limits; looks for thin parts and
     /// wrong sides too, where that is wanted.
     fn refine(&mut self, x: &[f64], looks_everywhere: bool) -> Result<Option<(Tree<D>, Space<D>)>> {
-        let sign = self.options.feasible.sign();
-        self.energy.misfits(self.workers, x, sign, reweight::FLATTEST, &mut self.misfits)?;
-        if self.options.max_error == 0.0 || self.full {
+        if !self.may_cut() {
             return Ok(None);
         }
-        let strays = if looks_everywhere { self.energy.strays(self.workers, x, sign, STRAY)? } else { Vec::new() };
-        let marks = marks(&self.energy, &self.misfits, &strays, self.options.max_error)?;
+        self.tell("refinement")?;
+        self.energy.errors(self.workers, x, &mut self.errors)?;
+        let strays = if looks_everywhere {
+            self.tell("refinement")?;
+            self.energy.strays(self.workers, x, self.options.feasible.sign(), STRAY)?
+        } else {
+            Vec::new()
+        };
+        let marks = marks(&self.energy, &self.errors, &strays, self.options.max_error)?;
         // As many of them, the worst first, as the limits leave room for.
         let mut n = marks.len();
         while n > 0 {
+            self.tell("refinement")?;
             let mut tree = self.energy.tree().try_clone()?;
             cut(&mut tree, &marks[..n])?;
             if tree.tiles().len() == self.energy.tree().tiles().len() {
                 return Ok(None);
             }
-            let space = Space::new(&tree)?;
-            let bytes = memory(self.misfits.len(), &tree, &space);
-            if space.n_active() as u64 <= self.options.max_unknowns && bytes <= self.options.memory_limit {
-                return Ok(Some((tree, space)));
+            match functions(&tree, self.errors.len(), self.options.memory_limit) {
+                Ok(space) if space.n_active() as u64 <= self.options.max_unknowns => return Ok(Some((tree, space))),
+                Ok(_) | Err(Error::OutOfMemory { limit: Some(_), .. }) => (n, self.full) = (n / 2, true),
+                Err(error) => return Err(error),
             }
-            (n, self.full) = (n / 2, true);
         }
         Ok(None)
     }
@@ -138,11 +160,11 @@ impl<const D: usize> Fitting<'_, '_, D> {
     /// way of cuts there would be many, and phi would oscillate between them.
     fn weigh_the_missed(&mut self) -> bool {
         let max_error = self.options.max_error;
-        let missed = |m: &Misfit| m.value > max_error;
-        if max_error == 0.0 || self.full || !self.misfits.iter().any(missed) {
+        if !self.may_cut() || self.errors.iter().all(|e| *e <= max_error) {
             return false;
         }
-        self.energy.reweight(self.misfits.iter().map(|m| if missed(m) { MISSED * m.value / max_error } else { 1.0 }));
+        let factor = |e: &f64| if *e > max_error { MISSED * e / max_error } else { 1.0 };
+        self.energy.reweight(self.errors.iter().map(factor));
         true
     }
 
@@ -157,7 +179,7 @@ impl<const D: usize> Fitting<'_, '_, D> {
             update(self.workers, &mut r, &b, |b, r| b - r);
             tolerance = tolerance.max(ROUGH * norm(self.workers, &r) / norm(self.workers, &b));
         }
-        self.energy.renew_diagonal(self.workers);
+        self.energy.renew_preconditioner(self.workers);
         let max_iterations = (self.options.max_iterations - self.report.iterations) as usize;
         let stop = Stop { tolerance, max_iterations, patience: None };
         let (begin, share) = (self.done, part * (0.98 - self.done));
@@ -183,15 +205,23 @@ impl<const D: usize> Fitting<'_, '_, D> {
     }
 }
 
-/// Bytes that a fit of `n_points` points on `tree` takes, cloud and result included.
-fn memory<const D: usize>(n_points: usize, tree: &Tree<D>, space: &Space<D>) -> u64 {
+/// The functions of `tree`; [`Error::OutOfMemory`] where a fit of `n_points` points on it would take more than `limit` bytes, cloud and result
+/// included.
+pub fn functions<const D: usize>(tree: &Tree<D>, n_points: usize, limit: u64) -> Result<Space<D>> {
+    let allowed = |bytes: u64| {
+        let what = || format!("a fit of {n_points} points on {} blocks of cells", tree.tiles().len());
+        let (bytes, limit) = (bytes.into(), limit.into());
+        if bytes <= limit { Ok(()) } else { Err(Error::OutOfMemory { what: what(), bytes, limit: Some(limit) }) }
+    };
     // Of points as for a grid. Of a tile the table, those of the field, distances with their masses; of functions ten vectors. The
     // functions of the tree before are there until those of the next are.
     let points = super::super::fit::memory::<D>(n_points as u128, [0; D]) as u64;
-    points
-        + RefinedEnergy::<D>::bytes_of_tile() * tree.tiles().len() as u64
-        + 2 * space.bytes()
-        + 12 * 8 * space.n_numbers() as u64
+    let tiles = points.saturating_add(RefinedEnergy::<D>::bytes_of_tile().saturating_mul(tree.tiles().len() as u64));
+    // Tiles that take too much have functions that do, too.
+    allowed(tiles)?;
+    let space = Space::new(tree)?;
+    allowed(tiles + 2 * space.bytes() + 12 * 8 * space.n_numbers() as u64)?;
+    Ok(space)
 }
 
 /// Control points of the grid that is refined, where none are asked for: few, so that little is kept far from the surface.

@@ -1,9 +1,8 @@
 //! What one leaf adds to a product, a right-hand side or a diagonal, on a table of its own functions.
 
-use super::super::data::{Mass, Misfit};
+use super::super::data::Mass;
 use super::super::distance::CLEAR;
 use super::energy::RefinedEnergy;
-use crate::geometry::vec::{norm, scale, sub};
 use crate::isa::{Isa, Kernel};
 use crate::spline::basis::Weights;
 use crate::spline::hierarchical::{LARGEST_TABLE, per_pack, per_table};
@@ -131,33 +130,27 @@ impl<const D: usize> LeafTerm<D> for Diagonal {
     }
 }
 
-/// The misfits of the points of one leaf; control points are in `scratch`.
-pub(super) struct Misfits<'a, const D: usize> {
+/// |phi| at the points of one leaf; control points are in `scratch`.
+pub(super) struct Errors<'a, const D: usize> {
     pub energy: &'a RefinedEnergy<D>,
     pub tile: usize,
-    pub sign: f64,
-    pub flattest: f64,
-    pub misfits: &'a mut [Misfit],
+    pub errors: &'a mut [f64],
 }
 
-impl<const D: usize> Kernel for Misfits<'_, D> {
+impl<const D: usize> Kernel for Errors<'_, D> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Isa>(self) {
-        let Misfits { energy, tile: index, sign, flattest, misfits } = self;
+        let Errors { energy, tile: index, errors } = self;
         let tile = &energy.tree.tiles()[index];
-        let (level, cells) = (&energy.levels[tile.level as usize], energy.tree.cells(tile));
+        let cells = energy.tree.cells(tile);
         let mut x = [0.0; LARGEST_TABLE];
         let x = &mut x[..per_table::<D>()];
         energy.space.gather(index, &energy.scratch, x);
-        for (p, misfit) in energy.points[index].clone().zip(misfits) {
+        for (p, error) in energy.points[index].clone().zip(errors) {
             let (stencil, u) = energy.place(tile, &cells, p);
-            let (value, g) = stencil.value_gradient::<I>(x, &Weights::along::<I, D>(&u));
-            let gradient: [f64; D] = std::array::from_fn(|a| level.per_cell[a] * g[a]);
-            misfit.value = value.abs();
-            misfit.distance = misfit.value / norm(gradient).max(flattest);
-            misfit.normal = norm(sub(gradient, scale(sign, energy.data.normals[p])));
+            *error = stencil.value::<I>(x, u).abs();
         }
     }
 }

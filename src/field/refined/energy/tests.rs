@@ -31,6 +31,7 @@ fn energy<const D: usize>(cloud: &Cloud<D>, tree: Tree<D>, held: f64) -> Refined
         WEIGHTS,
         Holding { weight: held, nearest: 1.0, spacings: 0.0 },
         &Workers::caller_only(),
+        || Ok(()),
     )
     .unwrap()
 }
@@ -91,8 +92,9 @@ fn agrees_with_that_of_a_grid<const D: usize>(cloud: &Cloud<D>, n_cells: [usize;
         at.iter().zip(&x).for_each(|(i, x)| mine[*i] = *x);
         energy.apply(&workers, &mine, &mut ours);
         assert!(close(&pick(&ours), &y), "{n_cells:?} held {held}");
-        energy.renew_diagonal(&workers);
-        assert!(close(&pick(&energy.diagonal), &flat.diagonal(&workers).unwrap()), "{n_cells:?} held {held}");
+        energy.renew_preconditioner(&workers);
+        let diagonal: Vec<f64> = pick(&energy.inverse).iter().map(|i| 1.0 / i).collect();
+        assert!(close(&diagonal, &flat.diagonal(&workers).unwrap()), "{n_cells:?} held {held}");
     }
 }
 
@@ -145,5 +147,47 @@ fn it_is_symmetric_and_positive_and_the_same_on_any_number_of_threads() {
     for seed in 0..4 {
         is_symmetric_and_positive(&in_space(), [5, 4, 9], seed);
         is_symmetric_and_positive(&in_plane(), [9, 6], seed);
+    }
+}
+
+/// Cut step by step or at once, the same distances are held.
+fn holds_what_the_tree_asks_for<const D: usize>(cloud: &Cloud<D>, n_cells: [usize; D], seed: u64) {
+    let (workers, mut random) = (Workers::caller_only(), SplitMix64::new(seed));
+    let mut tree = Tree::new(grid(n_cells)).unwrap();
+    let of = |tree: &Tree<D>| {
+        let (data, space) = (Data::new(cloud, tree.grid()).unwrap(), Space::new(tree).unwrap());
+        let holding = Holding { weight: 150.0, nearest: 0.5, spacings: 1.0 };
+        let parts = (tree.clone(), space);
+        RefinedEnergy::new(parts, data, WEIGHTS, holding, &workers, || Ok(())).unwrap()
+    };
+    let (mut by_steps, mut n_held) = (of(&tree), Vec::new());
+    for _ in 0..12 {
+        let level = (3.0 * random.unit()) as u32;
+        let place = std::array::from_fn(|a| (tree.n_cells(level, a) as f64 / 4.0 * random.unit()) as u32);
+        tree.cut(level, place).unwrap();
+        let (space, x) = (Space::new(&tree).unwrap(), vec![0.0; by_steps.space().n_numbers()]);
+        by_steps.refine(tree.clone(), space, &x, &workers, || Ok(())).unwrap();
+        let at_once = of(&tree);
+        // Of tiles that are cut the distances say nothing.
+        let held = |energy: &RefinedEnergy<D>| {
+            let (far, tiles) = (energy.far.as_ref().unwrap(), tree.tiles());
+            let of_cell = |(i, (m, d)): (usize, (&f64, &f64))| {
+                let counts = *m > 0.0 && tiles[i / per_pack::<D>()].is_leaf();
+                (*m, if counts { *d } else { 0.0 })
+            };
+            far.mass.iter().zip(&far.distance).enumerate().map(of_cell).collect::<Vec<_>>()
+        };
+        assert!(held(&by_steps) == held(&at_once), "{n_cells:?} {seed}");
+        assert_eq!(by_steps.clear(), at_once.clear());
+        n_held.push(held(&at_once).iter().filter(|(m, _)| *m > 0.0).count());
+    }
+    assert!(n_held[11] > 0);
+}
+
+#[test]
+fn what_is_held_depends_on_the_tree_alone() {
+    for seed in 0..4 {
+        holds_what_the_tree_asks_for(&in_space(), [9, 8, 11], seed);
+        holds_what_the_tree_asks_for(&in_plane(), [20, 13], seed);
     }
 }
