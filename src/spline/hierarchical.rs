@@ -10,7 +10,7 @@
 //! Functions are kept in *packs* of 4^D: those whose last cell lies in the same tile. So those of a tile's cells are parts of 2^D packs. A
 //! function is numbered in its level as control points of a grid are: those of cell i are i .. i + 3.
 
-use super::tree::{SIDE, Tree};
+use super::tree::{SIDE, Tree, in_tile};
 use crate::Result;
 use crate::error::{try_reserve, try_reserve_entry, try_vec, try_with_capacity};
 use crate::par::Workers;
@@ -158,10 +158,10 @@ impl<const D: usize> Space<D> {
                 })
             });
             for f in 0..per_pack::<D>() {
-                let offset = |a: usize| f / SIDE.pow((D - 1 - a) as u32) % SIDE;
+                let offset = in_tile::<D>(f);
                 let (mut served, mut replaced) = (true, true);
                 for bits in 0..1_usize << D {
-                    let needed = (0..D).try_fold(true, |all, a| Some(all && needs[a][offset(a)]?[bit::<D>(bits, a)]));
+                    let needed = (0..D).try_fold(true, |all, a| Some(all && needs[a][offset[a]]?[bit::<D>(bits, a)]));
                     match (needed, pack.tiles[bits]) {
                         (Some(false), _) => {}
                         (None, _) | (_, NONE) => served = false,
@@ -241,8 +241,8 @@ impl<const D: usize> Space<D> {
         let n = per_pack::<D>();
         for (&(_, place), &number) in self.numbers.iter().filter(|((level, _), _)| *level == 0) {
             for f in 0..n {
-                let at: [usize; D] =
-                    std::array::from_fn(|a| SIDE * place[a] as usize + f / SIDE.pow((D - 1 - a) as u32) % SIDE);
+                let offset = in_tile::<D>(f);
+                let at: [usize; D] = std::array::from_fn(|a| SIDE * place[a] as usize + offset[a]);
                 if (0..D).all(|a| at[a] < shape[a]) {
                     pair(number as usize * n + f, (0..D).fold(0, |i, a| i * shape[a] + at[a]));
                 }

@@ -10,6 +10,11 @@ use crate::error::{try_reserve, try_vec, try_with_capacity};
 /// Cells of a tile along an axis.
 pub const SIDE: usize = 4;
 
+/// Where number `i` of 4^D stands, the last axis fastest.
+pub fn in_tile<const D: usize>(i: usize) -> [usize; D] {
+    std::array::from_fn(|a| i / SIDE.pow((D - 1 - a) as u32) % SIDE)
+}
+
 /// Levels beyond that of the grid, at most: coordinates in cells stay exact.
 pub const DEEPEST: u32 = 16;
 

@@ -15,7 +15,7 @@ use crate::par::Workers;
 use crate::spline::hierarchical::{Space, per_pack, per_table, strides};
 use crate::spline::kernel::Stencil;
 use crate::spline::tile_gram::TileGram;
-use crate::spline::tree::{SIDE, Tile, Tree};
+use crate::spline::tree::{SIDE, Tile, Tree, in_tile};
 use std::ops::Range;
 
 /// Tiles of an item of work.
@@ -35,8 +35,8 @@ pub struct Holding {
 /// What lambda_n falls by from level to level, as h^2: the gradient's part of a function's energy beside that of its values stays the same.
 const NORMAL_FALL: f64 = 0.25;
 
-/// What lambda_r falls by from level to level: as h^2.3. With 1/8, as h^3, smoothness would keep its proportion to the values' energy too, and beside
-/// edges phi would pass through 0 twice as often where no surface is; with 1/4 it does so no less, and the error grows.
+/// What lambda_r falls by from level to level, as h^2.3. With 1/8, as h^3, smoothness would keep its proportion to the values' energy too; but
+/// beside edges phi would then pass through 0 more often where no surface is.
 const SMOOTH_FALL: f64 = 0.2;
 
 /// The terms in the cells of one level.
@@ -283,7 +283,7 @@ impl<const D: usize> RefinedEnergy<D> {
                 let (level, cells) = (&levels[tile.level as usize], tree.cells(tile));
                 let mut hint = Hint::default();
                 for (c, ((i, d), m)) in nearest.iter_mut().zip(distance).zip(mass).enumerate() {
-                    let at: [usize; D] = std::array::from_fn(|a| c / SIDE.pow((D - 1 - a) as u32) % SIDE);
+                    let at: [usize; D] = in_tile(c);
                     if (0..D).any(|a| at[a] >= cells[a]) {
                         continue;
                     }
@@ -312,10 +312,8 @@ impl<const D: usize> RefinedEnergy<D> {
             far.mass[i * n..(i + 1) * n].fill(0.0);
             for part in 0..1_usize << D {
                 for c in 0..n {
-                    let to = (0..D).fold(0, |to, a| {
-                        let at = c / SIDE.pow((D - 1 - a) as u32) % SIDE + SIDE * (part >> (D - 1 - a) & 1);
-                        SIDE * to + at / 2
-                    });
+                    let at: [usize; D] = in_tile(c);
+                    let to = (0..D).fold(0, |to, a| SIDE * to + (at[a] + SIDE * (part >> (D - 1 - a) & 1)) / 2);
                     far.mass[i * n + to] += far.mass[(tile.child as usize + part) * n + c];
                 }
             }
