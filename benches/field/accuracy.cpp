@@ -74,7 +74,7 @@ Counts grid_of_at_most(const Mesh &mesh, double most) {
     return best;
 }
 
-// Table 3: armadillo and dragon at the paper's size, and the armadillo at the issue's.
+// Table 3: armadillo and dragon at the paper's size, and the armadillo at 40,000 samples.
 void table_3(const Data &data) {
     const auto at_paper_size = [](const std::string &key, const Shape &shape, Limits paper) {
         const Field field = fit(sample(shape.mesh, N_SAMPLES), options_of(grid_of_at_most(shape.mesh, 25000)));

@@ -34,6 +34,7 @@ void estimate(const std::string &key, const Mesh &mesh, std::size_t n) {
     }
     print_count(key + "_points", n);
     print(key + "_right_side", 100 * static_cast<double>(right) / static_cast<double>(n), "%");
+    print(key + "_right_side_limit", 99.9, "%");
     print_count(key + "_wrong_side", n - right, "points");
     print(key + "_angle_rms", std::sqrt(squares / static_cast<double>(n)), "degrees");
     print(key + "_agreement", report.agreement);

@@ -42,7 +42,6 @@ struct Timed {
 
 Timed timed(const Cloud &cloud, const ko_fit_options &options, int rounds) {
     Timed timed{};
-    timed.wall = timed.processor = std::numeric_limits<double>::infinity();
     for (int round = 0; round < rounds; ++round) {
         double processor = 0;
         timed.wall = std::min(timed.wall, seconds([&] {

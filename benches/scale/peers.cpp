@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <sstream>
 
 #include <unistd.h>
@@ -62,33 +63,34 @@ private:
     std::string path_;
 };
 
-// The least time of each key over all rounds, in the order in which keys came.
+// The median over the rounds of the time of each key, in the order in which keys came: as many times of each, whatever it takes.
 class Times {
 public:
+    // The time of one round.
     void add(const std::string &key, double time) {
-        const auto known = std::find_if(least_.begin(), least_.end(), [&](const auto &entry) { return entry.first == key; });
-        if (known == least_.end())
-            least_.emplace_back(key, time);
-        else
-            known->second = std::min(known->second, time);
+        const auto known = std::find_if(of_.begin(), of_.end(), [&](const auto &entry) { return entry.first == key; });
+        (known == of_.end() ? of_.emplace_back(key, std::vector<double>()) : *known).second.push_back(time);
     }
 
-    // `work`, timed at `n` points.
+    // The least of `repeats` times of `work` at `n` points.
     template <class Work> void take(const std::string &key, std::size_t n, int repeats, Work work) {
-        for (int i = 0; i < repeats; ++i) add(key, 1e9 * seconds(work) / static_cast<double>(n));
+        double least = std::numeric_limits<double>::infinity();
+        for (int i = 0; i < repeats; ++i) least = std::min(least, seconds(work));
+        add(key, 1e9 * least / static_cast<double>(n));
     }
 
     double operator()(const std::string &key) const {
-        for (const auto &[known, time] : least_)
-            if (known == key) return time;
+        for (const auto &[known, times] : of_)
+            if (known == key) return median(times);
         throw std::out_of_range(key);
     }
 
     // Those of `place`, each with how many times as long as Keepout's it is: what gives a value alone beside its value, all else, and
     // closest points tell the direction too, beside its value and gradient.
     void print_all(const std::string &place) const {
-        for (const auto &[key, time] : least_) {
+        for (const auto &[key, times] : of_) {
             if (key.rfind(place, 0) != 0) continue;
+            const double time = median(times);
             print(key, time, "ns/point");
             if (key.rfind(place + "_keepout_", 0) == 0 && key != place + "_keepout_mesh_signed_distance") continue;
             const bool value_only = key.compare(key.size() - 6, 6, "_value") == 0;
@@ -97,7 +99,7 @@ public:
     }
 
 private:
-    std::vector<std::pair<std::string, double>> least_;
+    std::vector<std::pair<std::string, std::vector<double>>> of_;
 };
 
 struct Fitted {

@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <thread>
 
 namespace bench {
@@ -143,14 +144,16 @@ void on_two_threads(const std::string &key, const Subjects &of, const std::vecto
     const auto by_library = [&](std::uint32_t n_threads) {
         check(ko_field_eval_parallel(of.field.get(), points.data(), n, values, gradients, nullptr, n_threads), "ko_field_eval_parallel");
     };
-    const auto from = [&](std::size_t first, std::size_t count) {
-        ko_field_eval(of.field.get(), &points[3 * first], count, values + first, gradients + 3 * first, nullptr);
+    std::int32_t status[2];
+    const auto from = [&](int thread, std::size_t first, std::size_t count) {
+        status[thread] = ko_field_eval(of.field.get(), &points[3 * first], count, values + first, gradients + 3 * first, nullptr);
     };
     const std::vector<double> least = least_times({[&] { by_library(1); }, [&] { by_library(2); },
                                                    [&] {
-                                                       std::thread other([&] { from(0, half); });
-                                                       from(half, n - half);
+                                                       std::thread other([&] { from(0, 0, half); });
+                                                       from(1, half, n - half);
                                                        other.join();
+                                                       if (status[0] || status[1]) throw std::runtime_error("ko_field_eval failed");
                                                    }},
                                                   n, rounds);
     print(key + "_gradient_1_thread", least[0], "ns/point");
