@@ -13,21 +13,21 @@ pub struct FitReport {
     pub n_levels: u32,
     /// Points that a robust fit left out at last.
     pub n_outliers: u64,
-    /// Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
-    /// open ones: beyond their rim and far from them the sign of phi is one of many; [`crate::geometry::sides`] tells
-    /// where. NaN where no distances were held, and for a field that was
+    /// Of the cells in which distances are held, those farther than one from the points (refined: than half of one of theirs, and their
+    /// spacing), the part on whose side there is little doubt: 1 for closed shapes. Less for open ones: beyond their rim and far from them
+    /// the sign of phi is one of many; [`crate::geometry::sides`] tells where. NaN where no distances were held, and for a field that was
     /// loaded or made.
     pub clear_sides: f64,
-    /// Iterations of conjugate gradients, over all rounds of reweighting.
+    /// Iterations of conjugate gradients, over all rounds of reweighting and refinement.
     pub iterations: u32,
     /// Relative residual reached in the last round.
     pub residual: f64,
     /// Mean factor by which an iteration lowered it in that round, those with the last preconditioner alone; 0 where none
     /// was needed, NaN for a field that was loaded.
     pub convergence_rate: f64,
-    /// Seconds to sort the points, measure the far distances, build the right-hand side and the first preconditioner.
+    /// Seconds to measure the far distances and, of refined fits, to bring points and functions in order on the cells of each round.
     pub seconds_assembly: f64,
-    /// Seconds of the solves, with the preconditioners of the later rounds.
+    /// Seconds of the solves, with right-hand sides, preconditioners, and what looks at their outcome between them.
     pub seconds_solve: f64,
     /// Seconds to measure the figures below.
     pub seconds_check: f64,

@@ -20,8 +20,8 @@ const ROUGH: f64 = 0.1;
 /// How far phi may be from a distance that is held, in that distance: less than where its sign is wrong.
 const STRAY: f64 = 0.5;
 
-/// Distance from the surface, in cells of its own leaves, from which on distances are held. Closer than on a grid, which has fewer points a
-/// cell: of 19 closed shapes fewer then have wrong signs beside sharp edges, and what distances bend is refined.
+/// Distance from the surface, in cells of its own leaves, from which on distances are held. Closer than on a grid: signs are right sooner
+/// beside sharp edges, and what distances bend there is refined.
 const NEAREST: f64 = 0.5;
 
 /// What points that are missed by just more than they may be are weighted with.
