@@ -18,6 +18,7 @@ use super::Field;
 use super::eval::Place;
 use crate::geometry::vec::norm;
 use crate::isa::Portable;
+use crate::spline::basis::{Weights, second};
 use crate::spline::kernel::Hessian;
 
 /// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.
@@ -135,7 +136,8 @@ impl<const D: usize> Field<D> {
     /// Jet of P(x_face + s(t)).
     fn bent_polynomial(&self, bent: [f64; D], bends: &[Bend; D]) -> Jet<D> {
         let Place { stencil, u, control_points, per_cell } = self.place_near(bent);
-        let (value, g, h) = stencil.value_gradient_hessian::<Portable>(control_points, u);
+        let (value, g, h) =
+            stencil.value_gradient_hessian::<Portable>(control_points, &u.map(Weights::at), &u.map(second));
         let slope = |a: usize| per_cell[a] * bends[a].ds;
         let gradient = std::array::from_fn(|a| g[a] * slope(a));
         let hessian = matrix(|a, b| {

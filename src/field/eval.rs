@@ -7,7 +7,7 @@ use crate::error::try_with_capacity;
 use crate::geometry::vec::text;
 use crate::isa::{self, Isa, Kernel};
 use crate::par::{Workers, try_share};
-use crate::spline::basis::Weights;
+use crate::spline::basis::{Weights, second_along};
 use crate::spline::kernel::{Hessian, Stencil};
 use crate::{Error, Result};
 
@@ -19,6 +19,11 @@ const ITEM: usize = 16 * BLOCK;
 
 /// Points of which the control points are asked for while those before are evaluated, where the field is large.
 const GROUP: usize = 16;
+
+/// Points of which the places and weights are found before the first of their sums: what leads to a sum takes as long as the sum, and a
+/// processor looks ahead no farther than a point or two: 21.6 ns a point with gradients where one by one took 26.4, 33.2 with Hessians where
+/// it took 44.3. Values alone gain nothing by it.
+const AHEAD: usize = 8;
 
 /// Bytes of control points from which on most of them are not in a cache of the core's own: there asking for them ahead pays.
 const LARGE: usize = 8 << 20;
@@ -168,6 +173,7 @@ impl<'a, const D: usize> Batch<'a, D> {
 }
 
 /// Where a point lies among control points.
+#[derive(Clone, Copy)]
 pub(super) struct Place<'a, const D: usize> {
     pub stencil: Stencil<D>,
     /// In the cell.
@@ -263,6 +269,40 @@ fn block_of_values<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     }
 }
 
+/// A point whose place and weights are known, so that its sums need not wait for them.
+#[derive(Clone, Copy)]
+struct Ready<'a, const D: usize> {
+    /// `None` outside the box.
+    place: Option<Place<'a, D>>,
+    weights: [Weights; D],
+    /// Those of second derivatives, where they are wanted.
+    second: [[f64; 4]; D],
+}
+
+impl<'a, const D: usize> Ready<'a, D> {
+    const NONE: Self =
+        Ready { place: None, weights: [Weights { w: [0.0; 4], dw: [0.0; 4] }; D], second: [[0.0; 4]; D] };
+
+    #[inline(always)]
+    fn set<I: Isa, C: ControlPoints<'a, D>, const ORDER: usize>(
+        &mut self,
+        field: &Field<D>,
+        control_points: C,
+        p: &[f64; D],
+    ) {
+        let xi = field.cells.coordinates(p);
+        self.place = None;
+        if field.cells.contain(&xi) {
+            let place = control_points.place::<I>(&xi);
+            self.weights = Weights::along::<I, D>(&place.u);
+            if ORDER == 2 {
+                self.second = second_along::<I, D>(&place.u);
+            }
+            self.place = Some(place);
+        }
+    }
+}
+
 #[inline(always)]
 fn block_with_gradient<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     field: &Field<D>,
@@ -271,19 +311,23 @@ fn block_with_gradient<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     mut values: Option<&mut [f64]>,
     gradients: &mut [[f64; D]],
 ) {
-    for (i, (p, gradient)) in points.iter().zip(gradients).enumerate() {
-        let xi = field.cells.coordinates(p);
-        let value;
-        (value, *gradient) = if field.cells.contain(&xi) {
-            let Place { stencil, u, control_points, per_cell } = control_points.place::<I>(&xi);
-            let (value, g) = stencil.value_gradient::<I>(control_points, &Weights::along::<I, D>(&u));
-            (value, std::array::from_fn(|a| g[a] * per_cell[a]))
-        } else {
-            let (value, gradient, _) = field.continued(xi);
-            (value, gradient)
-        };
-        if let Some(values) = &mut values {
-            values[i] = value;
+    let mut ready = [Ready::NONE; AHEAD];
+    for (g, (points, gradients)) in points.chunks(AHEAD).zip(gradients.chunks_mut(AHEAD)).enumerate() {
+        for (p, ready) in points.iter().zip(&mut ready) {
+            ready.set::<I, C, 1>(field, control_points, p);
+        }
+        for (i, ((p, ready), gradient)) in points.iter().zip(&ready).zip(gradients).enumerate() {
+            let value;
+            (value, *gradient) = if let Some(Place { stencil, control_points, per_cell, .. }) = &ready.place {
+                let (value, g) = stencil.value_gradient::<I>(control_points, &ready.weights);
+                (value, std::array::from_fn(|a| g[a] * per_cell[a]))
+            } else {
+                let (value, gradient, _) = field.continued(field.cells.coordinates(p));
+                (value, gradient)
+            };
+            if let Some(values) = &mut values {
+                values[g * AHEAD + i] = value;
+            }
         }
     }
 }
@@ -297,24 +341,31 @@ fn block_with_hessian<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     mut gradients: Option<&mut [[f64; D]]>,
     hessians: &mut [f64],
 ) {
-    for (i, (p, packed)) in points.iter().zip(hessians.chunks_exact_mut(packed::<D>())).enumerate() {
-        let xi = field.cells.coordinates(p);
-        let (value, gradient);
-        if !field.cells.contain(&xi) {
-            let hessian;
-            (value, gradient, hessian) = field.continued(xi);
-            pack(&hessian, packed);
-        } else {
-            let Place { stencil, u, control_points, per_cell } = control_points.place::<I>(&xi);
-            let (v, g, h) = stencil.value_gradient_hessian::<I>(control_points, u);
-            (value, gradient) = (v, std::array::from_fn(|a| g[a] * per_cell[a]));
-            pack::<D>(&std::array::from_fn(|a| std::array::from_fn(|b| h[a][b] * (per_cell[a] * per_cell[b]))), packed);
+    let mut ready = [Ready::NONE; AHEAD];
+    let groups = points.chunks(AHEAD).zip(hessians.chunks_mut(AHEAD * packed::<D>()));
+    for (g, (points, hessians)) in groups.enumerate() {
+        for (p, ready) in points.iter().zip(&mut ready) {
+            ready.set::<I, C, 2>(field, control_points, p);
         }
-        if let Some(values) = &mut values {
-            values[i] = value;
-        }
-        if let Some(gradients) = &mut gradients {
-            gradients[i] = gradient;
+        let outputs = hessians.chunks_exact_mut(packed::<D>());
+        for (i, ((p, ready), packed)) in points.iter().zip(&ready).zip(outputs).enumerate() {
+            let (value, gradient);
+            if let Some(Place { stencil, control_points, per_cell, .. }) = &ready.place {
+                let (v, g, h) = stencil.value_gradient_hessian::<I>(control_points, &ready.weights, &ready.second);
+                (value, gradient) = (v, std::array::from_fn(|a| g[a] * per_cell[a]));
+                let scaled = std::array::from_fn(|a| std::array::from_fn(|b| h[a][b] * (per_cell[a] * per_cell[b])));
+                pack::<D>(&scaled, packed);
+            } else {
+                let hessian;
+                (value, gradient, hessian) = field.continued(field.cells.coordinates(p));
+                pack(&hessian, packed);
+            }
+            if let Some(values) = &mut values {
+                values[g * AHEAD + i] = value;
+            }
+            if let Some(gradients) = &mut gradients {
+                gradients[g * AHEAD + i] = gradient;
+            }
         }
     }
 }

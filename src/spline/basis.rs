@@ -47,10 +47,14 @@ impl Weights {
     }
 }
 
-/// [`second`], as it is cheapest with the instructions of `I`.
+/// [`second`] along each axis, as it is cheapest with the instructions of `I`.
 #[inline(always)]
-pub fn second_with<I: Isa>(u: f64) -> [f64; 4] {
-    if I::FUSED { polynomial::<I, 2>(&SECOND, u) } else { second(u) }
+pub fn second_along<I: Isa, const D: usize>(u: &[f64; D]) -> [[f64; 4]; D] {
+    let mut b = [[0.0; 4]; D];
+    for a in 0..D {
+        b[a] = if I::FUSED { polynomial::<I, 2>(&SECOND, u[a]) } else { second(u[a]) };
+    }
+    b
 }
 
 /// Coefficients of 1, u, u^2 and u^3 of the four basis functions.

@@ -7,7 +7,7 @@
 // Index loops of fixed length are what the compiler unrolls into vectors, and read like the sums.
 #![allow(clippy::needless_range_loop)]
 
-use super::basis::{Weights, second_with};
+use super::basis::Weights;
 use super::rows::Rows;
 use crate::isa::{Isa, prefetch};
 
@@ -31,6 +31,15 @@ fn axpy<I: Isa>(s: f64, x: I::Four, y: &mut I::Four) {
 #[inline(always)]
 fn dot<I: Isa>(x: I::Four, y: I::Four) -> f64 {
     I::sum(I::mul_4(x, y))
+}
+
+/// Four of [`dot`].
+#[inline(always)]
+fn dots<I: Isa>(pairs: [(I::Four, I::Four); 4]) -> [f64; 4] {
+    let [a, b, c, d] = pairs;
+    let mut row = [0.0; 4];
+    I::store(I::sum_4([I::mul_4(a.0, a.1), I::mul_4(b.0, b.1), I::mul_4(c.0, c.1), I::mul_4(d.0, d.1)]), &mut row);
+    row
 }
 
 /// Symmetric matrix of second derivatives.
@@ -122,15 +131,21 @@ impl<const D: usize> Stencil<D> {
             axpy::<I>(x.w[i], ry, &mut vy);
         }
         let (w, dw) = (I::load(&z.w), I::load(&z.dw));
-        (dot::<I>(v, w), last([dot::<I>(vx, w), dot::<I>(vy, w), dot::<I>(v, dw)]))
+        let [x, y, z, value] = dots::<I>([(vx, w), (vy, w), (v, dw), (v, w)]);
+        (value, last([x, y, z]))
     }
 
-    /// Value, gradient and Hessian at local coordinates `u`.
+    /// Value, gradient and Hessian under the weights `b` of the axes and those of second derivatives.
     #[inline(always)]
-    pub fn value_gradient_hessian<I: Isa>(&self, coefficients: &[f64], u: [f64; D]) -> (f64, [f64; D], Hessian<D>) {
-        let Layers { n, x, y, z } = Layers::of(&Weights::along::<I, D>(&u));
-        let ddx = if D == 3 { second_with::<I>(u[0]) } else { [0.0; 4] };
-        let (ddy, ddz) = (second_with::<I>(u[D - 2]), second_with::<I>(u[D - 1]));
+    pub fn value_gradient_hessian<I: Isa>(
+        &self,
+        coefficients: &[f64],
+        b: &[Weights; D],
+        second: &[[f64; 4]; D],
+    ) -> (f64, [f64; D], Hessian<D>) {
+        let Layers { n, x, y, z } = Layers::of(b);
+        let ddx = if D == 3 { second[0] } else { [0.0; 4] };
+        let (ddy, ddz) = (second[D - 2], second[D - 1]);
         let (rows, zero) = (Rows::of(self, coefficients), I::splat(0.0));
         let [mut v, mut vx, mut vy, mut vxx, mut vxy, mut vyy] = [zero; 6];
         for i in 0..n {
@@ -149,11 +164,11 @@ impl<const D: usize> Stencil<D> {
             axpy::<I>(x.w[i], ryy, &mut vyy);
         }
         let (w, dw, ddw) = (I::load(&z.w), I::load(&z.dw), I::load(&ddz));
-        let gradient = last([dot::<I>(vx, w), dot::<I>(vy, w), dot::<I>(v, dw)]);
-        let (xx, xy, xz) = (dot::<I>(vxx, w), dot::<I>(vxy, w), dot::<I>(vx, dw));
-        let (yy, yz, zz) = (dot::<I>(vyy, w), dot::<I>(vy, dw), dot::<I>(v, ddw));
+        let [gx, gy, gz, value] = dots::<I>([(vx, w), (vy, w), (v, dw), (v, w)]);
+        let [xx, xy, xz, yy] = dots::<I>([(vxx, w), (vxy, w), (vx, dw), (vyy, w)]);
+        let (yz, zz) = (dot::<I>(vy, dw), dot::<I>(v, ddw));
         let rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]].map(last);
-        (dot::<I>(v, w), gradient, std::array::from_fn(|a| rows[a + 3 - D]))
+        (value, last([gx, gy, gz]), std::array::from_fn(|a| rows[a + 3 - D]))
     }
 
     /// Transpose of [`Stencil::value_gradient`]: coefficients += value' * B + gradient' . grad B.
@@ -182,6 +197,7 @@ mod tests {
     use super::*;
     use crate::geometry::random::SplitMix64;
     use crate::isa::Portable;
+    use crate::spline::basis::second;
 
     #[test]
     fn scatter_is_the_transpose_of_value_and_gradient() {
@@ -208,7 +224,8 @@ mod tests {
             let c: Vec<f64> = (0..64).map(|_| random.between(-1.0, 1.0)).collect();
             let u: [f64; 3] = std::array::from_fn(|_| random.unit());
             let (value, gradient) = stencil.value_gradient::<Portable>(&c, &u.map(Weights::at));
-            let (value_h, gradient_h, _) = stencil.value_gradient_hessian::<Portable>(&c, u);
+            let (b, second) = (u.map(Weights::at), u.map(second));
+            let (value_h, gradient_h, _) = stencil.value_gradient_hessian::<Portable>(&c, &b, &second);
             assert_eq!((value, gradient), (value_h, gradient_h));
             assert!((stencil.value::<Portable>(&c, u) - value).abs() < 1e-15);
         }
@@ -224,8 +241,9 @@ mod tests {
         for _ in 0..20 {
             let u: [f64; 2] = std::array::from_fn(|_| random.unit());
             let in_space = [random.unit(), u[0], u[1]];
-            let (value, g, h) = plane.value_gradient_hessian::<Portable>(&c, u);
-            let (value_3, g_3, h_3) = space.value_gradient_hessian::<Portable>(&layers, in_space);
+            let (value, g, h) = plane.value_gradient_hessian::<Portable>(&c, &u.map(Weights::at), &u.map(second));
+            let (value_3, g_3, h_3) =
+                space.value_gradient_hessian::<Portable>(&layers, &in_space.map(Weights::at), &in_space.map(second));
             assert!((value - value_3).abs() < 1e-14 && (plane.value::<Portable>(&c, u) - value).abs() < 1e-15);
             for a in 0..2 {
                 assert!((g[a] - g_3[a + 1]).abs() < 1e-14);
