@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::random::SplitMix64;
-use crate::geometry::shapes::{box_mesh, sphere, torus};
+use crate::geometry::shapes::{box_mesh, scattered, sphere, torus};
 use crate::geometry::vec::{Vec3, add, dot, norm, scale, sub};
 use crate::geometry::{Cloud, Mesh};
 use crate::progress::Progress;
@@ -459,5 +459,14 @@ fn closed_shapes_keep_their_sign_beyond_the_box_even_where_the_fit_is_coarse() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn random_points_leave_no_doubt_about_the_sides_of_closed_shapes() {
+    let options = FitOptions { tolerance: 1e-2, ..options() };
+    for cloud in [scattered::sphere(2000, 1), scattered::torus(0.7, 0.25, 4000, 1)] {
+        let clear = fit(&cloud, &options).report().clear_sides;
+        assert!(clear > 0.99, "{clear}");
     }
 }
