@@ -78,6 +78,14 @@ impl Error {
         }
     }
 
+    /// The same, with the `tolerance` that the caller asked for: rounds before the last have one that nobody set.
+    pub(crate) fn of_a_round(self, earlier: u32, tolerance: f64) -> Self {
+        match self.counting_earlier_iterations(earlier) {
+            Error::NotConverged { iterations, residual, .. } => Error::NotConverged { iterations, residual, tolerance },
+            other => other,
+        }
+    }
+
     /// An [`Error::Io`] on `path` with the system's words.
     pub fn io(path: &Path, source: &std::io::Error) -> Self {
         Error::Io { path: path.to_owned(), message: source.to_string() }
