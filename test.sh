@@ -27,7 +27,7 @@ stage() {
 
 packages() {
     source cmake/install_missing.sh
-    need_rust || return 1
+    need_rust fmt clippy || return 1
     need gcc command -v cc
     need g++ command -v c++
     need libc6-dev test -f /usr/include/stdio.h
@@ -68,23 +68,22 @@ tests_named() {
 }
 
 # The programs of C and Fortran once more under valgrind: no wrong access, no leak. It replaces the allocator, so allocations.c has nothing to count.
-under_valgrind() {
-    local room program
+under_valgrind() (
     room=$(mktemp -d)
-    local programs=(lifecycle plane level_sets normals clouds refits refined errors errors_later threads golden fortran)
-    local data=${KEEPOUT_DATA:-$root/../shared/data}
+    trap 'rm -rf "$room"' EXIT
+    programs=(lifecycle plane level_sets normals clouds refits refined errors errors_later threads golden fortran)
+    data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     for program in "${programs[@]}"; do
         echo "$program"
-        local arguments=()
+        arguments=()
         [[ $program == golden ]] && arguments=("$root/c_tests/golden")
         [[ $program == bad_data ]] && arguments=("$(realpath "$data")")
         (cd "$room" && valgrind --quiet --error-exitcode=1 --leak-check=full --show-leak-kinds=definite,indirect,possible \
             --errors-for-leak-kinds=definite,indirect,possible --suppressions="$root/c_tests/valgrind.supp" \
-            "$build/c_tests/$program" "${arguments[@]}") || return 1
+            "$build/c_tests/$program" "${arguments[@]}") || exit 1
     done
-    rm -rf "$room"
-}
+)
 
 stage "packages" packages
 stage "format" format

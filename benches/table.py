@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0 OR MIT
-"""Writes the README's tables of size and speed from what `benches/run scale` printed, between two marker lines.
+"""Writes the tables of README.md and docs/scale.md from what `benches/run scale` printed, each between two marker lines.
 
-table.py README OUTPUT...    later outputs win; `benches/run table` calls this
-table.py --check README      whether the README's tables have the form that this writes, whatever their numbers
-A figure that is missing, or no number, ends it with a message; the README then stays as it was.
+table.py PROJECT OUTPUT...   of the project in that folder; later outputs win; `benches/run table` calls this
+table.py --check PROJECT     whether its tables have the form that this writes, whatever their numbers
+A figure that is missing, or no number, ends it with a message; both documents then stay as they were.
 """
 
 import math
@@ -13,14 +13,25 @@ import re
 import shutil
 import sys
 
-BEGIN = "<!-- figures: written by benches/run table -->"
-END = "<!-- end of figures -->"
-
 ORDERS = ("value", "gradient", "hessian")
 PLACES = ("uniform", "near", "surface")
 # Each shape with the `max_error` that is shown of those that the bench measures.
 SHAPES = {"armadillo": "5e-04", "fandisk": "5e-04", "bunny": "5e-04", "dragon": "5e-04"}
-SIDES = ("bunny_lsdo_genie", "armadillo_cgal", "femur_cgal", "rotor", "bwb", "fandisk", "joint", "spool", "knot1", "double-torus")
+# Those of which docs/scale.md shows refined fits, as the bench has them.
+ERRORS = ("2e-03", "1e-03", "5e-04")
+# Each closed shape with its name in docs/scale.md.
+SIDES = {
+    "bunny_lsdo_genie": "bunny",
+    "armadillo_cgal": "armadillo",
+    "femur_cgal": "femur",
+    "rotor": "rotor",
+    "bwb": "bwb",
+    "fandisk": "fandisk",
+    "joint": "joint",
+    "spool": "spool",
+    "knot1": "knot",
+    "double-torus": "double-torus",
+}
 
 
 class Refused(Exception):
@@ -76,21 +87,30 @@ class Ones(Output):
         return 1
 
 
-def short(x):
-    """Three digits, and no exponent that a reader could do without."""
+def short(x, more=0):
+    """Three digits, two beside an exponent, and `more`; and no exponent that a reader could do without."""
     if x == 0:
         return "0"
     if abs(x) >= 100:
-        return f"{x:,.0f}"
+        return f"{x:,.{more}f}"
     if abs(x) < 1e-2:
-        return f"{x:.1e}".replace("e-0", "e-")
-    return f"{x:.3g}"
+        return f"{x:.{1 + more}e}".replace("e-0", "e-")
+    return f"{x:.{3 + more}g}"
+
+
+def missed(x, goal):
+    """A number above its goal, with as many digits as tell it from the goal."""
+    def shown(text):
+        return float(text.replace(",", ""))
+
+    texts = (short(x, more) for more in range(18))
+    return "**" + next((text for text in texts if shown(text) != shown(short(goal))), short(x)) + "**"
 
 
 def listed(numbers, unit="", goals=()):
     """Numbers above their goals are bold."""
     bounds = list(goals) or [math.inf] * len(numbers)
-    texts = [short(x) if x <= bound else f"**{short(x)}**" for x, bound in zip(numbers, bounds)]
+    texts = [short(x) if x <= bound else missed(x, bound) for x, bound in zip(numbers, bounds)]
     return "; ".join(texts) + (f" {unit}" if unit else "")
 
 
@@ -209,15 +229,19 @@ def accuracy(of):
 
 def markdown(heads, rows):
     lines = [heads, ["---"] + ["--:"] * (len(heads) - 1), *rows]
-    return ["|" + "|".join(f" {cell} " if cell else " " for cell in line) + "|" for line in lines]
+    return ["|" + "|".join(f" {cell} " if cell.strip() else cell or " " for cell in line) + "|" for line in lines]
 
 
-def tables(of):
-    """Lines that belong between the markers."""
+def measured(of):
     processor = f"{of.text('machine_cpu')}, {of.text('machine_cores')} cores"
     load = of.text("machine_load_of_last_minute")
+    return f"Measured on {of.text('machine_date')} by `benches/run table`: {processor}, load {load} before it."
+
+
+def figures(of):
+    """The README's lines between the markers."""
     return [
-        f"Measured on {of.text('machine_date')} by `benches/run table`: {processor}, load {load} before it. One thread but where two are",
+        measured(of) + " One thread but where two are",
         "named; nanoseconds are those of a point; bold is what misses its goal.",
         "",
         *markdown(["size and speed", "reached", "goal", "beside"], evaluation(of) + peers(of) + fits(of) + sides(of)),
@@ -226,43 +250,120 @@ def tables(of):
     ]
 
 
+def refined_cells(of):
+    """Refined fits of docs/scale.md."""
+
+    def on_surface(key):
+        return ", ".join(short(of.number(f"{key}_{what}")) for what in ("rms", "max")) + " D"
+
+    def seconds(key):
+        return f"{short(of.number(key + '_processor_seconds'))} s"
+
+    rows = []
+    for shape in SHAPES:
+        beside = [f"{on_surface(key)}, {seconds(key)}" for key in (f"accuracy_{shape}_poisson", f"accuracy_{shape}_goal")]
+        for error in ERRORS:
+            key = f"accuracy_{shape}_refined_{error}"
+            points, levels = (short(of.number(f"{key}_{what}")) for what in ("control_points", "levels"))
+            rows.append([shape, error.replace("e-0", "e-"), points, levels, on_surface(key), seconds(key), *beside])
+            beside = ["  ", "  "]
+    heads = ["shape", "`max_error`", "control points", "levels", "reached", "time", "Poisson, depth 8", "goal"]
+    return [measured(of), "", *markdown(heads, rows)]
+
+
+def side_errors(of):
+    """Wrong signs and parts of level sets, for docs/scale.md."""
+
+    def wrong(key):
+        count, farthest = of.number(key + "_wrong_signs"), of.number(key + "_farthest_wrong_sign")
+        return short(count) + (f", to {short(farthest)} D" if count else "")
+
+    rows = []
+    for shape, name in SIDES.items():
+        keys = [f"sides_{shape}{kind}" for kind in ("_one_grid", "_refined")]
+        rows.append([name, *map(wrong, keys), *(short(of.number(key + "_components")) for key in keys)])
+    heads = ["shape", "wrong signs, one grid", "refined", "parts, one grid", "refined"]
+    return [measured(of), "", *markdown(heads, rows)]
+
+
+def slopes(of):
+    """How far |grad phi| is from 1, for docs/scale.md."""
+    rows = []
+    for shape, name in SIDES.items():
+        key = f"sides_{shape}"
+        places = [f"{by}_off_medial_axis" for by in ("a_cell", "two_cells")]
+        away = of.number(key + "_away_points")
+        counted = [of.number(f"{key}_away_points_{place}") for place in places]
+        cells = [name, ", ".join(f"{100 * n / away:.0f} %" for n in counted)]
+        for kind in ("_one_grid", "_refined"):
+            off = [f"{key}{kind}_{place}_gradient_off_1" for place in places]
+            cells += [f"{short(of.number(key_of + '_beyond_0.2'))} %" for key_of in off]
+            cells.append(", ".join(short(of.number(off[0] + what)) for what in ("_median", "_max")))
+        rows.append(cells)
+    heads = ["shape", "points that count: a cell off, two"]
+    for kind in ("one grid", "refined"):
+        heads += [f"{kind}: a cell off", "two", "median, largest"]
+    return [measured(of), "", *markdown(heads, rows)]
+
+
+# What is written into each document, by the name in its markers.
+DOCUMENTS = {
+    "README.md": {"figures": figures},
+    os.path.join("docs", "scale.md"): {"refined cells": refined_cells, "sides": side_errors, "slopes": slopes},
+}
+
+
 def read(path):
     with open(path, encoding="utf-8") as file:
         return file.read()
 
 
-def parted(path):
-    """Lines of the README before, between and behind the markers."""
-    lines = read(path).split("\n")
-    if lines.count(BEGIN) != 1 or lines.count(END) != 1 or lines.index(BEGIN) > lines.index(END):
-        raise Refused(f"{path} has not one line '{BEGIN}' and behind it one line '{END}'")
-    begin, end = lines.index(BEGIN), lines.index(END)
-    return lines[: begin + 1], lines[begin + 1 : end], lines[end:]
+def parted(text, path, name):
+    """Lines of a document before, between and behind the markers of `name`."""
+    lines = text.split("\n")
+    begin, end = f"<!-- {name}: written by benches/run table -->", f"<!-- end of {name} -->"
+    if lines.count(begin) != 1 or lines.count(end) != 1 or lines.index(begin) > lines.index(end):
+        raise Refused(f"{path} has not one line '{begin}' and behind it one line '{end}'")
+    at, behind = lines.index(begin), lines.index(end)
+    return lines[: at + 1], lines[at + 1 : behind], lines[behind:]
 
 
-def write(path, of):
-    written = tables(of)
-    before, _, behind = parted(path)
-    new = path + ".new"  # whole or not at all
-    with open(new, "w", encoding="utf-8") as file:
-        file.write("\n".join([*before, "", *written, "", *behind]))
-    shutil.copymode(path, new)
-    os.replace(new, path)
+def write(project, of):
+    texts = {}
+    for document, tables in DOCUMENTS.items():
+        path = os.path.join(project, document)
+        texts[path] = read(path)
+        for name, table in tables.items():
+            before, _, behind = parted(texts[path], path, name)
+            texts[path] = "\n".join([*before, "", *table(of), "", *behind])
+    for path, text in texts.items():
+        new = path + ".new"  # whole or not at all
+        with open(new, "w", encoding="utf-8") as file:
+            file.write(text)
+        shutil.copymode(path, new)
+        os.replace(new, path)
 
 
 def form(lines):
-    """The lines of tables, with # for each number."""
+    """The lines of tables, with # for each number; how far what there may be none of goes, is left out."""
     bare = [line.replace("**", "") for line in lines if line.startswith("|")]
-    return [re.sub(r"\d+(,\d{3})*(\.\d+)?(e-?\d+)?", "#", line) for line in bare]
+    numbered = [re.sub(r"\d+(,\d{3})*(\.\d+)?(e-?\d+)?", "#", line) for line in bare]
+    return [line.replace(", to # D", "") for line in numbered]
 
 
-def check(path):
-    expected, found = form(tables(Ones())), form(parted(path)[1])
-    for line, wanted in zip(found, expected):
-        if line != wanted:
-            raise Refused(f"{path} has\n  {line}\nwhere benches/table.py writes\n  {wanted}\nwith other numbers: run benches/run table")
-    if len(found) != len(expected):
-        raise Refused(f"{path} has {len(found)} lines in its tables, benches/table.py writes {len(expected)}: run benches/run table")
+def check(project):
+    for document, tables in DOCUMENTS.items():
+        path = os.path.join(project, document)
+        for name, table in tables.items():
+            expected, found = form(table(Ones())), form(parted(read(path), path, name)[1])
+            for line, wanted in zip(found, expected):
+                if line != wanted:
+                    raise Refused(
+                        f"{path} has\n  {line}\nwhere benches/table.py writes\n  {wanted}\nwith other numbers: run benches/run table"
+                    )
+            if len(found) != len(expected):
+                lines = f"{len(found)} lines in its table of {name}, benches/table.py writes {len(expected)}"
+                raise Refused(f"{path} has {lines}: run benches/run table")
 
 
 def main(arguments):
@@ -275,7 +376,7 @@ def main(arguments):
         else:
             write(arguments[0], Output(arguments[1:]))
     except (Refused, OSError, UnicodeError) as error:
-        sys.exit(f"benches/table.py: {error}" + ("" if checking else f"; {arguments[0]} stays as it was"))
+        sys.exit(f"benches/table.py: {error}" + ("" if checking else "; the documents stay as they were"))
 
 
 if __name__ == "__main__":

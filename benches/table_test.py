@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0 OR MIT
-"""Tests table.py, and that the README's tables have the form that it writes."""
+"""Tests table.py, and that the tables of the documents have the form that it writes."""
 
 import os
 import re
@@ -12,7 +12,7 @@ import unittest
 sys.dont_write_bytecode = True
 import table  # noqa: E402
 
-README = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "README.md")
+PROJECT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir)
 
 
 class Asked(table.Ones):
@@ -27,10 +27,16 @@ class Tables(unittest.TestCase):
     def setUp(self):
         self.room = tempfile.TemporaryDirectory()
         self.addCleanup(self.room.cleanup)
-        self.readme = os.path.join(self.room.name, "README.md")
-        shutil.copy(README, self.readme)
+        self.project = os.path.join(self.room.name, "project")
+        os.makedirs(os.path.join(self.project, "docs"))
+        self.documents = [os.path.join(self.project, document) for document in table.DOCUMENTS]
+        for document in table.DOCUMENTS:
+            shutil.copy(os.path.join(PROJECT, document), os.path.join(self.project, document))
+        self.readme, self.scale = self.documents
         asked = Asked()
-        table.tables(asked)
+        for tables in table.DOCUMENTS.values():
+            for lines in tables.values():
+                lines(asked)
         self.figures = asked.texts
 
     def output(self, figures):
@@ -39,31 +45,75 @@ class Tables(unittest.TestCase):
             file.writelines(f"{key} = {text}\n" for key, text in figures.items())
         return table.Output([path])
 
-    def written(self, **figures):
-        table.write(self.readme, self.output({**self.figures, **figures}))
-        return table.parted(self.readme)[1]
+    def texts(self):
+        return [table.read(path) for path in self.documents]
+
+    def parted(self, path, name):
+        return table.parted(table.read(path), path, name)
+
+    def written(self, path=None, name="figures", **figures):
+        table.write(self.project, self.output({**self.figures, **figures}))
+        return self.parted(path or self.readme, name)[1]
 
     def refused(self, figures, saying):
-        before = table.read(self.readme)
+        before = self.texts()
         with self.assertRaisesRegex(table.Refused, saying):
-            table.write(self.readme, self.output(figures))
-        self.assertEqual(table.read(self.readme), before)
+            table.write(self.project, self.output(figures))
+        self.assertEqual(self.texts(), before)
 
-    def test_the_readme_has_the_form(self):
-        table.check(README)
+    def change(self, path, old, new):
+        text = table.read(path)
+        self.assertIn(old, text)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text.replace(old, new, 1))
+
+    def test_the_documents_have_the_form(self):
+        table.check(PROJECT)
 
     def test_another_form_is_told(self):
-        with open(self.readme, "w", encoding="utf-8") as file:
-            file.write(table.read(README).replace("| goal |", "| aim |", 1))
-        self.assertRaisesRegex(table.Refused, "run benches/run table", table.check, self.readme)
+        self.change(self.readme, "| goal |", "| aim |")
+        self.assertRaisesRegex(table.Refused, "run benches/run table", table.check, self.project)
+
+    def test_another_form_is_told_of_each_document(self):
+        self.change(self.scale, "| femur |", "| thigh |")
+        self.assertRaisesRegex(table.Refused, "scale.md has\n  . thigh", table.check, self.project)
+        self.change(self.scale, "| thigh |", "| femur |")
+        table.check(self.project)
+        lines = table.read(self.scale).split("\n")
+        self.change(self.scale, next(line for line in lines if line.startswith("| dragon | 1e-3")) + "\n", "")
+        self.assertRaises(table.Refused, table.check, self.project)
 
     def test_only_what_is_between_the_markers_changes(self):
-        before, _, behind = table.parted(self.readme)
+        names = [(os.path.join(self.project, document), name) for document, tables in table.DOCUMENTS.items() for name in tables]
+        before = [self.parted(*at)[::2] for at in names]
         first = self.written(fit_1e6_seconds="2.5 s")
         self.assertEqual(self.written(fit_1e6_seconds="2.5 s"), first)
-        self.assertEqual(table.parted(self.readme), (before, first, behind))
-        self.assertEqual(sorted(os.listdir(self.room.name)), ["README.md", "output"])
-        table.check(self.readme)
+        self.assertEqual(self.parted(self.readme, "figures"), (before[0][0], first, before[0][1]))
+        # Of several in one document, what comes before the first and behind the last.
+        self.assertEqual(self.parted(*names[1])[0], before[1][0])
+        self.assertEqual(self.parted(*names[-1])[2], before[-1][1])
+        self.assertEqual(sorted(os.listdir(self.project)), ["README.md", "docs"])
+        self.assertEqual(os.listdir(os.path.join(self.project, "docs")), ["scale.md"])
+        table.check(self.project)
+
+    def test_figures_of_docs_scale_are_those_of_the_output(self):
+        key = "accuracy_fandisk_refined_1e-03_"
+        figures = {key + "rms": "9.9e-05 D", key + "max": "0.00113 D", key + "control_points": "168600", key + "levels": "4"}
+        rows = [line for line in self.written(self.scale, "refined cells", **figures) if line.startswith("| fandisk")]
+        self.assertEqual(rows[0], "| fandisk | 2e-3 | 1 | 1 | 1, 1 D | 1 s | 1, 1 D, 1 s | 1, 1 D, 1 s |")
+        self.assertEqual(rows[1], "| fandisk | 1e-3 | 168,600 | 4 | 9.9e-5, 1.1e-3 D | 1 s |  |  |")
+        figures = {"sides_femur_cgal_one_grid_wrong_signs": "0", "sides_femur_cgal_refined_wrong_signs": "3"}
+        [row] = [line for line in self.written(self.scale, "sides", **figures) if line.startswith("| femur")]
+        self.assertEqual(row, "| femur | 0 | 3, to 1 D | 1 | 1 |")
+        figures = {"sides_rotor_away_points": "8", "sides_rotor_away_points_a_cell_off_medial_axis": "6"}
+        figures["sides_rotor_refined_two_cells_off_medial_axis_gradient_off_1_beyond_0.2"] = "2.94 %"
+        [row] = [line for line in self.written(self.scale, "slopes", **figures) if line.startswith("| rotor")]
+        self.assertEqual(row, "| rotor | 75 %, 12 % | 1 % | 1 % | 1, 1 | 1 % | 2.94 % | 1, 1 |")
+
+    def test_what_misses_its_goal_by_little_does_not_look_like_it(self):
+        self.assertEqual(table.listed([1.0e-3, 1.02e-3, 1.00004e-3], "D", [1.0e-3] * 3), "1.0e-3; **1.02e-3**; **1.00004e-3** D")
+        self.assertEqual(table.listed([8.0, 8.001, 15.2], "s", [8, 8, 15]), "8; **8.001**; **15.2** s")
+        self.assertEqual(table.listed([1500, 1500.4], "MB", [1500, 1500]), "1,500; **1,500.4** MB")
 
     def test_figures_above_their_goals_are_marked(self):
         [line] = [line for line in self.written() if "10^6, two threads" in line]
@@ -83,10 +133,11 @@ class Tables(unittest.TestCase):
         self.refused({**self.figures, "fit_1e6_seconds": "not for this machine"}, "fit_1e6_seconds is 'not for this machine'")
         self.refused({**self.figures, "fit_1e6_seconds": "nan s"}, "fit_1e6_seconds is 'nan s'")
 
-    def test_a_readme_without_markers_is_refused(self):
-        with open(self.readme, "w", encoding="utf-8") as file:
-            file.write("no tables\n")
-        self.refused(self.figures, "has not one line")
+    def test_a_document_without_markers_is_refused(self):
+        for path in reversed(self.documents):
+            with open(path, "w", encoding="utf-8") as file:
+                file.write("no tables\n")
+            self.refused(self.figures, os.path.basename(path) + " has not one line")
 
 
 if __name__ == "__main__":

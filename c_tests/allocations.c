@@ -62,11 +62,30 @@ static void check_evaluation(const ko_field *field, const double *inside, const 
     CHECK(COUNTED(ko_field_get_report(field, sizeof report, &report)) == 0);
 }
 
+/* The same of fields with refined cells. Points of the plane are the first two thirds of those in space. */
+static void check_refined(const double *inside, const double *outside) {
+    for (uint32_t dim = 2; dim <= 3; dim++) {
+        ko_cloud *cloud = check_lens(dim, 400);
+        ko_fit_options options = check_options(8);
+        options.max_error = 1e-3;
+        options.tolerance = 1e-2;
+        ko_field *field = NULL;
+        CHECK(ko_field_fit(cloud, &options, &field) >= 0);
+        ko_fit_report report;
+        OK(ko_field_get_report(field, sizeof report, &report));
+        CHECK(report.n_levels > 1);
+        check_evaluation(field, inside, outside);
+        ko_field_free(field);
+        ko_cloud_free(cloud);
+    }
+}
+
 int main(void) {
     ko_field *field = check_sphere_field(8), *plane = check_circle_field(8);
     double *inside = check_points(N, 0.9, 1), *outside = check_points(N, 5.0, 2);
     check_evaluation(field, inside, outside);
     check_evaluation(plane, inside, outside);
+    check_refined(inside, outside);
 
     /* The counter counts: these calls do allocate. */
     ko_mesh *mesh = NULL;

@@ -551,8 +551,8 @@ end module
 ! Handles. A keepout_mesh, _cloud or _field is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
 !   freed by free() or when it goes out of scope. It has one owner: assigning one ends the program; move_alloc moves one that is
 !   allocatable.
-! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX, KO_BUDGET_REACHED) or one of
-!   KO_ERR_..., errmsg is set on failure. A call that fails without stat ends the program with its message.
+! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX,
+!   KO_BUDGET_REACHED) or one of KO_ERR_..., errmsg is set on failure. A call that fails without stat ends the program with its message.
 ! Threads. As in C: calls that take their handle as intent(in) may be made at once from any number of threads.
 module keepout
   use keepout_c

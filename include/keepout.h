@@ -34,7 +34,8 @@
 #define KO_OPEN_AT_BOX 1
 
 /**
- * A success with a remark: refinement came to the end of its control points, or its memory, before the error asked for.
+ * A success with a remark: refinement came to the end of its control points, of its memory, or of what the points tell, before the error
+ * asked for.
  */
 #define KO_BUDGET_REACHED 2
 
@@ -433,11 +434,13 @@ typedef struct ko_fit_options {
     /**
      * Largest error on the surface that is wanted, as a fraction of D, in [1e-9, 1]: cells are halved, again and again, where |phi| at the
      * cloud's points is larger, and where parts are thin. The grid is then coarse where no `control_points` are asked for, lambda_normal
-     * and lambda_smooth are those of its cells, and fall by 4 and 8 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one grid.
+     * and lambda_smooth are those of its cells, and fall by 4 and 5 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one
+     * grid.
      */
     double max_error;
     /**
-     * Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with KO_BUDGET_REACHED.
+     * Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with
+     * KO_BUDGET_REACHED. The grid that it begins with has no more either, but four along each axis, or the `control_points` asked for.
      * Default 2000000. Without `max_error` it means nothing.
      */
     uint64_t max_unknowns;
@@ -496,11 +499,12 @@ typedef struct ko_fit_report {
      */
     double residual;
     /**
-     * Seconds to sort the points and build the system.
+     * Seconds to bring the points in order and to measure the far distances; of refined fits, those to bring functions in order too, and
+     * all of it on the cells of each round.
      */
     double seconds_assembly;
     /**
-     * Seconds of the solve.
+     * Seconds of the solves, with right-hand sides, preconditioners, and what looks at their outcome between them.
      */
     double seconds_solve;
     /**
@@ -524,9 +528,9 @@ typedef struct ko_fit_report {
      */
     uint64_t n_outliers;
     /**
-     * Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
-     * open ones: beyond their rim and far from them the sign of phi is one of many; `ko_cloud_sides` tells where. Not a number
-     * where distance_weight was 0, and for a field that was loaded or made.
+     * Of the cells farther than one from the points (refined: than half of one of theirs, and than their spacing), the part on whose
+     * side there is little doubt: 1 for closed shapes. Less for open ones: beyond their rim and far from them the sign of phi is one of
+     * many; `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
      */
     double clear_sides;
     /**
@@ -914,13 +918,15 @@ int32_t ko_fit_options_init(struct ko_fit_options *options, size_t struct_size);
  * `*field` is the caller's to free; it does not refer to the cloud. With `max_error` its cells are refined where the error is larger: by
  * hierarchical B-splines, C2 as well (Kraft 1997).
  * Returns KO_BUDGET_REACHED, a success, where `max_error` was not reached within `max_unknowns` and `memory_limit`, or by cells as fine as
- * the points tell. Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
- * equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
- * bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
+ * the points tell. Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points
+ * that are all equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know and for
+ * KO_REWEIGHT_ROBUST with `max_error`, KO_ERR_OUT_OF_MEMORY with the bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
  * Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 30 ns a point and 25 ns a control point on one
  * thread; a hundred or two are usual. Where many more seem to be left the solve goes on by multigrid, in some ten iterations however many
  * control points there are, each at fifteen times the cost. Memory: about 600 bytes a point and 200 a control point; a multigrid takes up
- * to 4000 a control point more, for a million of them 700 to 1700, and is left out where `memory_limit` has no room for it.
+ * to 4000 a control point more, for a million of them 700 to 1700, and is left out where `memory_limit` has no room for it. With
+ * `max_error` there is no multigrid: a control point takes some 350 bytes, and the solves some hundreds of iterations in all with
+ * default options, but thousands with a margin of several times the shape.
  */
 int32_t ko_field_fit(const struct ko_cloud *cloud,
                      const struct ko_fit_options *options,
@@ -933,9 +939,10 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
  * `start` nor the cloud, and `start` stays as it is.
  * With `max_error` the cells of `start` are refined further where they must be; those that it has stay.
- * Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
- * first, and for a cloud of a diagonal of less than a hundredth of the longest cell. Threads, cost, memory: those of `ko_field_fit`, in
- * fewer iterations.
+ * Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another
+ * dimension, for a point outside the box, naming the first, and for a cloud of a diagonal of less than a hundredth of the longest cell;
+ * KO_ERR_UNSUPPORTED for KO_REWEIGHT_ROBUST where `start` has refined cells. Threads, cost, memory: those of `ko_field_fit`, in fewer
+ * iterations.
  */
 int32_t ko_field_refit(const struct ko_field *start,
                        const struct ko_cloud *cloud,
@@ -969,7 +976,8 @@ int32_t ko_field_from_control_points(uint32_t dim,
  * length.
  *
  * `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
- * KO_ERR_INVALID_ARGUMENT; KO_ERR_UNSUPPORTED for a field with `n_levels` above 1, whose control points are no tensor. Threads: any. Cost: a copy.
+ * KO_ERR_INVALID_ARGUMENT; KO_ERR_UNSUPPORTED for a field with `n_levels` above 1, whose control points are no tensor. Threads: any. Cost:
+ * a copy.
  */
 int32_t ko_field_copy_control_points(const struct ko_field *field,
                                      size_t n_control_points,
@@ -990,8 +998,9 @@ int32_t ko_field_copy_control_points(const struct ko_field *field,
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
  * unspecified then.
  * Threads: any number at once. Cost: 10 to 20 ns a point with gradient on one thread where the field fits into a cache, twice that without
- * AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to 200 ns a point. There points that lie near each
- * other in space should do so in the batch: brick after brick of 16 cells a point takes half as long.
+ * AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to
+ * 200 ns a point. There points that lie near each other in space should do so in the batch: brick after brick of 16 cells a point takes
+ * half as long.
  */
 int32_t ko_field_eval(const struct ko_field *field,
                       const double *points,

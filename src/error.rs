@@ -68,10 +68,11 @@ pub enum Place {
 pub type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
-    /// The error of one solve of several, with the `earlier` ones' iterations counted, as the limit counts them.
-    pub(crate) fn counting_earlier_iterations(self, earlier: u32) -> Self {
+    /// The error of one solve of several, with the `earlier` ones' iterations counted, as the limit counts them, and the `tolerance` that the
+    /// caller asked for: solves before the last have one that nobody set.
+    pub(crate) fn of_a_round(self, earlier: u32, tolerance: f64) -> Self {
         match self {
-            Error::NotConverged { iterations, residual, tolerance } => {
+            Error::NotConverged { iterations, residual, .. } => {
                 Error::NotConverged { iterations: iterations + earlier as usize, residual, tolerance }
             }
             other => other,

@@ -68,6 +68,7 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("distance_weight", d.distance_weight),
         ("tolerance", d.tolerance),
         ("max_iterations", f64::from(d.max_iterations)),
+        ("max_unknowns", d.max_unknowns as f64),
         ("subdivisions", f64::from(l.subdivisions)),
         ("shortest_edge", l.shortest_edge),
         ("relaxations", f64::from(l.relaxations)),

@@ -26,13 +26,15 @@ pub struct ko_field(pub(super) OfDimension<Field<2>, Field<3>>);
 /// `*field` is the caller's to free; it does not refer to the cloud. With `max_error` its cells are refined where the error is larger: by
 /// hierarchical B-splines, C2 as well (Kraft 1997).
 /// Returns KO_BUDGET_REACHED, a success, where `max_error` was not reached within `max_unknowns` and `memory_limit`, or by cells as fine as
-/// the points tell. Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
-/// equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY with the
-/// bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
+/// the points tell. Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points
+/// that are all equal and for normals that cancel out, KO_ERR_UNSUPPORTED for an option that this library does not know and for
+/// KO_REWEIGHT_ROBUST with `max_error`, KO_ERR_OUT_OF_MEMORY with the bytes that it would take, KO_ERR_NOT_CONVERGED, KO_ERR_CANCELLED.
 /// Threads: any; `progress` is called on the caller's. Cost: an iteration takes some 30 ns a point and 25 ns a control point on one
 /// thread; a hundred or two are usual. Where many more seem to be left the solve goes on by multigrid, in some ten iterations however many
 /// control points there are, each at fifteen times the cost. Memory: about 600 bytes a point and 200 a control point; a multigrid takes up
-/// to 4000 a control point more, for a million of them 700 to 1700, and is left out where `memory_limit` has no room for it.
+/// to 4000 a control point more, for a million of them 700 to 1700, and is left out where `memory_limit` has no room for it. With
+/// `max_error` there is no multigrid: a control point takes some 350 bytes, and the solves some hundreds of iterations in all with
+/// default options, but thousands with a margin of several times the shape.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_fit(
     cloud: *const ko_cloud,
@@ -68,9 +70,10 @@ pub unsafe extern "C" fn ko_field_fit(
 /// As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
 /// `start` nor the cloud, and `start` stays as it is.
 /// With `max_error` the cells of `start` are refined further where they must be; those that it has stay.
-/// Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another dimension, for a point outside the box, naming the
-/// first, and for a cloud of a diagonal of less than a hundredth of the longest cell. Threads, cost, memory: those of `ko_field_fit`, in
-/// fewer iterations.
+/// Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another
+/// dimension, for a point outside the box, naming the first, and for a cloud of a diagonal of less than a hundredth of the longest cell;
+/// KO_ERR_UNSUPPORTED for KO_REWEIGHT_ROBUST where `start` has refined cells. Threads, cost, memory: those of `ko_field_fit`, in fewer
+/// iterations.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_refit(
     start: *const ko_field,
@@ -183,7 +186,8 @@ unsafe fn from_control_points<const D: usize>(
 /// length.
 ///
 /// `n_control_points` must be `n_unknowns` of `ko_field_get_report`, which tells the counts and the box too. Errors:
-/// KO_ERR_INVALID_ARGUMENT; KO_ERR_UNSUPPORTED for a field with `n_levels` above 1, whose control points are no tensor. Threads: any. Cost: a copy.
+/// KO_ERR_INVALID_ARGUMENT; KO_ERR_UNSUPPORTED for a field with `n_levels` above 1, whose control points are no tensor. Threads: any. Cost:
+/// a copy.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_copy_control_points(
     field: *const ko_field,
@@ -219,8 +223,9 @@ pub unsafe extern "C" fn ko_field_copy_control_points(
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
 /// unspecified then.
 /// Threads: any number at once. Cost: 10 to 20 ns a point with gradient on one thread where the field fits into a cache, twice that without
-/// AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to 200 ns a point. There points that lie near each
-/// other in space should do so in the batch: brick after brick of 16 cells a point takes half as long.
+/// AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to
+/// 200 ns a point. There points that lie near each other in space should do so in the batch: brick after brick of 16 cells a point takes
+/// half as long.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_eval(
     field: *const ko_field,

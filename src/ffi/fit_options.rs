@@ -65,9 +65,11 @@ pub struct ko_fit_options {
     pub reserved_2: u32,
     /// Largest error on the surface that is wanted, as a fraction of D, in [1e-9, 1]: cells are halved, again and again, where |phi| at the
     /// cloud's points is larger, and where parts are thin. The grid is then coarse where no `control_points` are asked for, lambda_normal
-    /// and lambda_smooth are those of its cells, and fall by 4 and 8 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one grid.
+    /// and lambda_smooth are those of its cells, and fall by 4 and 5 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one
+    /// grid.
     pub max_error: f64,
-    /// Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with KO_BUDGET_REACHED.
+    /// Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with
+    /// KO_BUDGET_REACHED. The grid that it begins with has no more either, but four along each axis, or the `control_points` asked for.
     /// Default 2000000. Without `max_error` it means nothing.
     pub max_unknowns: u64,
 }

@@ -118,9 +118,10 @@ pub struct ko_fit_report {
     pub diagonal: f64,
     /// Relative residual reached.
     pub residual: f64,
-    /// Seconds to sort the points and build the system.
+    /// Seconds to bring the points in order and to measure the far distances; of refined fits, those to bring functions in order too, and
+    /// all of it on the cells of each round.
     pub seconds_assembly: f64,
-    /// Seconds of the solve.
+    /// Seconds of the solves, with right-hand sides, preconditioners, and what looks at their outcome between them.
     pub seconds_solve: f64,
     /// Seconds to measure the errors.
     pub seconds_check: f64,
@@ -132,9 +133,9 @@ pub struct ko_fit_report {
     pub mean_gradient: f64,
     /// Points that a robust fit (KO_REWEIGHT_ROBUST) left out at last.
     pub n_outliers: u64,
-    /// Of the cells farther than one from the points, the part on whose side there is little doubt: 1 for closed shapes. Less for
-    /// open ones: beyond their rim and far from them the sign of phi is one of many; `ko_cloud_sides` tells where. Not a number
-    /// where distance_weight was 0, and for a field that was loaded or made.
+    /// Of the cells farther than one from the points (refined: than half of one of theirs, and than their spacing), the part on whose
+    /// side there is little doubt: 1 for closed shapes. Less for open ones: beyond their rim and far from them the sign of phi is one of
+    /// many; `ko_cloud_sides` tells where. Not a number where distance_weight was 0, and for a field that was loaded or made.
     pub clear_sides: f64,
     /// Mean factor by which an iteration of the last round lowered the residual: 0.1 gains a digit each. Not a number for a field that
     /// was loaded or made.

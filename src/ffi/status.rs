@@ -8,7 +8,8 @@ use std::ffi::{CStr, CString, c_char};
 pub const KO_OK: i32 = 0;
 /// A success with a remark: the level set meets the field's box, and its mesh is open there.
 pub const KO_OPEN_AT_BOX: i32 = 1;
-/// A success with a remark: refinement came to the end of its control points, or its memory, before the error asked for.
+/// A success with a remark: refinement came to the end of its control points, of its memory, or of what the points tell, before the error
+/// asked for.
 pub const KO_BUDGET_REACHED: i32 = 2;
 /// An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
 pub const KO_ERR_INVALID_ARGUMENT: i32 = -1;

@@ -1,7 +1,7 @@
 //! The field outside its box: a C2 continuation that grows like a distance.
 //!
-//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the edge of the shortest cells on faces, s(t) = l tanh(t / l) and e = t -
-//! s(t). With P the boundary cell's polynomial, continued by at most l, and r = |e| over the axes,
+//! Along an axis, let t be the signed distance beyond a face (0 inside), l a quarter of the edge of the shortest cells on faces, s(t) =
+//! l tanh(t / l) and e = t - s(t). With P the boundary cell's polynomial, continued by at most l, and r = |e| over the axes,
 //!
 //! ```text
 //! phi(x) = m + (P(x_face + s) - m) L^2 / (L^2 + r^2) + sigma r
@@ -20,6 +20,7 @@ use crate::geometry::vec::norm;
 use crate::isa::Portable;
 use crate::spline::basis::{Weights, second};
 use crate::spline::kernel::Hessian;
+use crate::spline::place_of;
 
 /// Reach of the boundary cell's polynomial beyond a face, in cells. A cubic runs off over a whole cell where the surface is near the face.
 const REACH: f64 = 0.25;
@@ -91,11 +92,8 @@ impl<const D: usize> Field<D> {
         // Lines along the last axis: of those inside, only the ends.
         let n_lines = n[..D - 1].iter().map(|n| n + 1).product::<usize>();
         for line in 0..n_lines {
-            let mut corner = [0; D];
-            let mut rest = line;
-            for a in (0..D - 1).rev() {
-                (corner[a], rest) = (rest % (n[a] + 1), rest / (n[a] + 1));
-            }
+            let across = std::array::from_fn(|a| if a == D - 1 { 1 } else { n[a] + 1 });
+            let mut corner: [usize; D] = place_of(line, across);
             let inner = (0..D - 1).all(|a| corner[a] > 0 && corner[a] < n[a]);
             for k in (0..=n[D - 1]).step_by(if inner { n[D - 1] } else { 1 }) {
                 corner[D - 1] = k;

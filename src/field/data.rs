@@ -105,12 +105,13 @@ pub struct View<const D: usize = 3> {
 
 impl<const D: usize> View<D> {
     /// The points of `data` in `grid`, in units of D, of which the cells are `times` as long as the finest.
-    pub fn new(data: &Data<D>, grid: Grid<D>, times: [usize; D]) -> Self {
+    pub fn new(data: &Data<D>, grid: Grid<D>, times: [usize; D]) -> Result<Self> {
         let to_cells = times.map(|t| 1.0 / t as f64);
         let below = |cell: usize| data.xi.partition_point(|xi| grid.axes[0].locate(xi[0] * to_cells[0]).0 < cell);
         let n_slabs = grid.axes[0].n_cells.div_ceil(SLAB);
-        let slabs = (0..n_slabs).map(|s| below(s * SLAB)..below((s + 1) * SLAB)).collect();
-        View { grid, to_cells, per_cell: grid.axes.map(|a| 1.0 / a.cell), slabs }
+        let mut slabs = try_with_capacity(n_slabs, "the slabs of the points")?;
+        slabs.extend((0..n_slabs).map(|s| below(s * SLAB)..below((s + 1) * SLAB)));
+        Ok(View { grid, to_cells, per_cell: grid.axes.map(|a| 1.0 / a.cell), slabs })
     }
 
     /// The grid, in units of D.
@@ -174,7 +175,7 @@ impl<const D: usize> DataTerm<D> {
     }
 
     /// The points in a grid of which the cells are `times` as long as the finest.
-    pub fn view(&self, grid: Grid<D>, times: [usize; D]) -> View<D> {
+    pub fn view(&self, grid: Grid<D>, times: [usize; D]) -> Result<View<D>> {
         View::new(&self.data, grid, times)
     }
 

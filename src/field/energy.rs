@@ -39,7 +39,7 @@ impl<const D: usize> Energy<D> {
     /// The form on `grid`, in units of D, for `data` in its cells.
     pub fn new(data: Data<D>, grid: Grid<D>, weights: EnergyWeights) -> Result<Self> {
         let data = DataTerm::new(data, weights.normal);
-        let terms = Terms::new(data.view(grid, [1; D]), weights.smooth)?;
+        let terms = Terms::new(data.view(grid, [1; D])?, weights.smooth)?;
         Ok(Energy { grid, weights, data, terms })
     }
 

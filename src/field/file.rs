@@ -4,7 +4,7 @@
 //!
 //! ```text
 //!   0  magic, 8 bytes: 89 4B 4F 46 0D 0A 1A 0A; the line ends tell a transfer that changed them
-//!   8  u32 version, 1
+//!   8  u32 version, 1 of one grid
 //!  12  u32 dimension, 2 or 3; in the plane what is said of z below is 0
 //!  16  u32 control points along x, y, z
 //!  28  u32 feasible side: 0 outside, 1 inside
@@ -127,76 +127,110 @@ struct Content {
     control_points: Vec<f64>,
 }
 
+/// A file that is read.
+struct Source<'a> {
+    path: &'a Path,
+    file: File,
+    /// Bytes in all.
+    length: u128,
+    /// Of what was read.
+    crc: crc32fast::Hasher,
+}
+
 /// The header and the rest of the file at `path`.
 fn read(path: &Path) -> Result<(Header, Content)> {
-    let io_error = |e: io::Error| Error::io(path, &e);
-    let wrong = |place, message| Error::Format { path: path.to_owned(), place, message };
-    let mut file = File::open(path).map_err(io_error)?;
-    let mut header = Vec::with_capacity(HEADER);
-    (&mut file).take(HEADER as u64).read_to_end(&mut header).map_err(io_error)?;
-    let fields = parse_header(&header).map_err(|(place, message)| wrong(place, message))?;
+    let mut source = Source::open(path)?;
+    let header = source.header()?;
+    let n_cuts = source.check_length(&header)?;
+    let numbers = source.rest(if header.refined { HEADER + 8 } else { HEADER })?;
+    let (cuts, numbers) = numbers.split_at(4 * n_cuts.unwrap_or(0) as usize);
+    let cuts = n_cuts.map(|_| integers(cuts)).transpose()?;
+    let control_points = source.control_points(numbers)?;
+    Ok((header, Content { cuts, control_points }))
+}
 
-    // The header's counts are believed only as far as the file is long.
-    let length = u128::from(file.metadata().map_err(io_error)?.len());
-    let n_control = fields.control_points[..fields.dimension].iter().map(|&n| u128::from(n)).product::<u128>();
-    let too_short = |expected: u128| {
+impl<'a> Source<'a> {
+    fn open(path: &'a Path) -> Result<Self> {
+        let io_error = |e: io::Error| Error::io(path, &e);
+        let file = File::open(path).map_err(io_error)?;
+        let length = u128::from(file.metadata().map_err(io_error)?.len());
+        Ok(Source { path, file, length, crc: crc32fast::Hasher::new() })
+    }
+
+    fn wrong(&self, place: Place, message: String) -> Error {
+        Error::Format { path: self.path.to_owned(), place, message }
+    }
+
+    fn too_short(&self, expected: u128) -> Error {
+        let length = self.length;
         let message =
             format!("the file has {length} bytes; its header announces {expected}: it is cut short or altered");
-        wrong(Place::Whole, message)
-    };
-    let mut n_cuts = None;
-    let mut crc = crc32fast::Hasher::new();
-    crc.update(&header);
-    let expected = if fields.refined {
+        self.wrong(Place::Whole, message)
+    }
+
+    fn header(&mut self) -> Result<Header> {
+        let mut header = Vec::with_capacity(HEADER);
+        (&mut self.file).take(HEADER as u64).read_to_end(&mut header).map_err(|e| Error::io(self.path, &e))?;
+        self.crc.update(&header);
+        parse_header(&header).map_err(|(place, message)| self.wrong(place, message))
+    }
+
+    /// The header's counts are believed only as far as the file is long. Gives the number of cuts of a refined field, which it reads.
+    fn check_length(&mut self, header: &Header) -> Result<Option<u64>> {
+        let n_control = header.control_points[..header.dimension].iter().map(|&n| u128::from(n)).product::<u128>();
+        let of_grid = HEADER as u128 + 8 * n_control + CHECKSUM as u128;
+        if !header.refined {
+            return if self.length == of_grid { Ok(None) } else { Err(self.too_short(of_grid)) };
+        }
         let mut count = [0; 8];
-        file.read_exact(&mut count).map_err(|_| too_short(HEADER as u128 + 8))?;
-        crc.update(&count);
-        let n = u64::from_le_bytes(count);
-        n_cuts = Some(n);
+        self.file.read_exact(&mut count).map_err(|_| self.too_short(HEADER as u128 + 8))?;
+        self.crc.update(&count);
+        let n_cuts = u64::from_le_bytes(count);
         // A cut is an index, and leaves 2^D - 1 functions more than there were, at least.
-        let of_cut = 4 + 8 * ((1 << fields.dimension) - 1);
-        let least = HEADER as u128 + 8 + u128::from(n) * of_cut + 8 * n_control + CHECKSUM as u128;
-        if length < least {
-            return Err(too_short(least));
+        let of_cut = 4 + 8 * ((1 << header.dimension) - 1);
+        let least = of_grid + 8 + u128::from(n_cuts) * of_cut;
+        if self.length < least { Err(self.too_short(least)) } else { Ok(Some(n_cuts)) }
+    }
+
+    /// What comes after the first `begun` bytes, but for the checksum, which it has.
+    fn rest(&mut self, begun: usize) -> Result<Vec<u8>> {
+        let left = self.length - begun as u128;
+        let mut rest = try_with_capacity(left as usize, "the control points of the file")?;
+        (&mut self.file).take(self.length as u64).read_to_end(&mut rest).map_err(|e| Error::io(self.path, &e))?;
+        let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|_| rest.len() as u128 == left)
+        else {
+            return Err(self.wrong(Place::Whole, "the file changed while it was read".into()));
+        };
+        self.crc.update(numbers);
+        let (found, stored) = (self.crc.clone().finalize(), u32::from_le_bytes(*checksum));
+        if found != stored {
+            let message = format!("the checksum is {found:08x} where {stored:08x} is stored: the file is altered");
+            return Err(self.wrong(Place::Whole, message));
         }
-        length
-    } else {
-        HEADER as u128 + 8 * n_control + CHECKSUM as u128
-    };
-    if length != expected {
-        return Err(too_short(expected));
+        rest.truncate(rest.len() - CHECKSUM);
+        Ok(rest)
     }
-    let left = expected - HEADER as u128 - if fields.refined { 8 } else { 0 };
-    let mut rest = try_with_capacity(left as usize, "the control points of the file")?;
-    file.take(expected as u64).read_to_end(&mut rest).map_err(io_error)?;
-    let Some((numbers, checksum)) = rest.split_last_chunk::<CHECKSUM>().filter(|_| rest.len() as u128 == left) else {
-        return Err(wrong(Place::Whole, "the file changed while it was read".into()));
-    };
-    crc.update(numbers);
-    let (found, stored) = (crc.finalize(), u32::from_le_bytes(*checksum));
-    if found != stored {
-        let message = format!("the checksum is {found:08x} where {stored:08x} is stored: the file is altered");
-        return Err(wrong(Place::Whole, message));
-    }
-    let (cuts, numbers) = numbers.split_at(4 * n_cuts.unwrap_or(0) as usize);
-    let cuts = match n_cuts {
-        None => None,
-        Some(n) => {
-            let mut indices = try_with_capacity(n as usize, "the cut tiles")?;
-            indices.extend(cuts.as_chunks().0.iter().map(|c| u32::from_le_bytes(*c)));
-            Some(indices)
+
+    /// The control points with which the file ends, but for its checksum.
+    fn control_points(&self, bytes: &[u8]) -> Result<Vec<f64>> {
+        if !bytes.len().is_multiple_of(8) {
+            return Err(self.wrong(Place::Whole, "the control points are no whole number: the file is altered".into()));
         }
-    };
-    if !numbers.len().is_multiple_of(8) {
-        return Err(wrong(Place::Whole, "the control points are no whole number: the file is altered".into()));
+        let mut control_points = try_with_capacity(bytes.len() / 8, "the control points")?;
+        control_points.extend(bytes.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
+        if let Some((i, message)) = unusable(&control_points) {
+            let first = self.length as usize - CHECKSUM - bytes.len();
+            return Err(self.wrong(Place::Byte(first + 8 * i), message));
+        }
+        Ok(control_points)
     }
-    let mut control_points = try_with_capacity(numbers.len() / 8, "the control points")?;
-    control_points.extend(numbers.as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)));
-    if let Some((i, message)) = unusable(&control_points) {
-        let first = length as usize - CHECKSUM - numbers.len();
-        return Err(wrong(Place::Byte(first + 8 * i), message));
-    }
-    Ok((fields, Content { cuts, control_points }))
+}
+
+/// The indices of cuts.
+fn integers(bytes: &[u8]) -> Result<Vec<u32>> {
+    let mut indices = try_with_capacity(bytes.len() / 4, "the cut tiles")?;
+    indices.extend(bytes.as_chunks().0.iter().map(|c| u32::from_le_bytes(*c)));
+    Ok(indices)
 }
 
 /// What a header says.
@@ -212,6 +246,22 @@ struct Header {
 }
 
 impl Header {
+    fn check_box(&self) -> std::result::Result<(), Wrong> {
+        let Header { dimension, control_points, lower, cell, diagonal, .. } = self;
+        // Neither the number nor its inverse may leave the range of doubles.
+        let usable = |x: f64| x > 0.0 && x.is_normal() && x.recip().is_normal();
+        if !(lower.iter().all(|x| x.is_finite()) && cell[..*dimension].iter().all(|&c| usable(c)) && usable(*diagonal))
+        {
+            let message = "the box is not finite, or an edge or the diagonal is no normal number above 0".into();
+            return Err((Place::Byte(32), message));
+        }
+        if *dimension == 2 && (control_points[2] != 0 || lower[2] != 0.0 || cell[2] != 0.0) {
+            let message = "the field is of the plane, but has entries along z, which must be 0".into();
+            return Err((Place::Byte(16), message));
+        }
+        Ok(())
+    }
+
     /// The field of the file at `path` with these control points, in the header's dimension.
     fn field<const D: usize>(mut self, path: &Path, content: Content) -> Result<Field<D>> {
         debug_assert_eq!(self.dimension, D);
@@ -270,23 +320,16 @@ impl Cursor<'_> {
     }
 }
 
-fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
+/// Where a header is wrong, and what is.
+type Wrong = (Place, String);
+
+fn parse_header(header: &[u8]) -> std::result::Result<Header, Wrong> {
     if header.len() < HEADER {
         let message = format!("the file has {} bytes; a field has more than {HEADER}", header.len());
         return Err((Place::Whole, message));
     }
     let mut at = Cursor(header);
-    if at.bytes() != MAGIC {
-        return Err((Place::Byte(0), "this is no field: the file does not begin with its magic number".into()));
-    }
-    let refined = match at.u32() {
-        VERSION => false,
-        REFINED => true,
-        v => {
-            let message = format!("the file has version {v}; this library reads versions {VERSION} and {REFINED}");
-            return Err((Place::Byte(8), message));
-        }
-    };
+    let refined = parse_version(&mut at)?;
     let dimension = match at.u32() {
         d @ (2 | 3) => d as usize,
         d => return Err((Place::Byte(12), format!("the field has dimension {d}; it must be 2 or 3"))),
@@ -300,25 +343,39 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         1 => Feasible::Inside,
         s => return Err((Place::Byte(28), format!("the feasible side is {s}; 0 (outside) or 1 (inside) is right"))),
     };
-    let lower: [f64; 3] = std::array::from_fn(|_| at.f64());
-    let cell: [f64; 3] = std::array::from_fn(|_| at.f64());
+    let (lower, cell) = ([at.f64(), at.f64(), at.f64()], [at.f64(), at.f64(), at.f64()]);
     let diagonal = at.f64();
-    // Neither the number nor its inverse may leave the range of doubles.
-    let usable = |x: f64| x > 0.0 && x.is_normal() && x.recip().is_normal();
-    if !(lower.iter().all(|x| x.is_finite()) && cell[..dimension].iter().all(|&c| usable(c)) && usable(diagonal)) {
-        let message = "the box is not finite, or an edge or the diagonal is no normal number above 0".into();
-        return Err((Place::Byte(32), message));
+    let report = parse_report(&mut at, control_points);
+    let header = Header { refined, dimension, control_points, lower, cell, feasible, diagonal, report };
+    header.check_box()?;
+    Ok(header)
+}
+
+/// Whether the field is refined, by its version.
+fn parse_version(at: &mut Cursor) -> std::result::Result<bool, Wrong> {
+    if at.bytes() != MAGIC {
+        return Err((Place::Byte(0), "this is no field: the file does not begin with its magic number".into()));
     }
-    if dimension == 2 && (control_points[2] != 0 || lower[2] != 0.0 || cell[2] != 0.0) {
-        return Err((Place::Byte(16), "the field is of the plane, but has entries along z, which must be 0".into()));
+    match at.u32() {
+        VERSION => Ok(false),
+        REFINED => Ok(true),
+        v => {
+            let message = format!("the file has version {v}; this library reads versions {VERSION} and {REFINED}");
+            Err((Place::Byte(8), message))
+        }
     }
+}
+
+/// What the header says of the fit, as far as files keep it, of a grid of `control_points`.
+fn parse_report(at: &mut Cursor, control_points: [u32; 3]) -> FitReport {
     let n_points = at.u64();
     let iterations = at.u32();
     let n_outliers = u64::from(at.u32());
-    let report = FitReport {
+    FitReport {
         control_points,
         n_points,
-        n_unknowns: control_points[..dimension].iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c))),
+        // Along z 0 in the plane.
+        n_unknowns: control_points.iter().fold(1u64, |n, &c| n.saturating_mul(u64::from(c.max(1)))),
         n_outliers,
         n_levels: 1,
         clear_sides: f64::NAN,
@@ -331,6 +388,5 @@ fn parse_header(header: &[u8]) -> std::result::Result<Header, (Place, String)> {
         rms: at.f64(),
         max: at.f64(),
         mean_gradient: at.f64(),
-    };
-    Ok(Header { refined, dimension, control_points, lower, cell, feasible, diagonal, report })
+    }
 }

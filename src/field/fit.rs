@@ -30,6 +30,12 @@ fn chosen_control_points<const D: usize>(n_points: usize) -> usize {
     }
 }
 
+/// Control points of the grid that is refined, where none are asked for, of at most `most`: but an axis has four.
+fn coarsest<const D: usize>(most: u64) -> usize {
+    let most = usize::try_from(most).unwrap_or(usize::MAX);
+    refined::fit::coarsest::<D>().min(most).max(4usize.pow(D as u32))
+}
+
 /// Cells of a refit, in D: where they are much longer the system is singular to rounding, and no solve converges.
 const LARGEST_CELL: f64 = 100.0;
 
@@ -52,7 +58,7 @@ impl<const D: usize> Field<D> {
         check_robust(options, false)?;
         let n_points = cloud.counted_points().count();
         let refines = options.max_error > 0.0;
-        let target = if refines { refined::fit::coarsest::<D>() } else { chosen_control_points::<D>(n_points) };
+        let target = if refines { coarsest::<D>(options.max_unknowns) } else { chosen_control_points::<D>(n_points) };
         let asked_for = std::array::from_fn(|a| options.control_points[a]);
         let grid = domain::grid(&Bounds::of(cloud.counted_points()), options.margin, asked_for, target)?;
         check_size(n_points, &grid, options.memory_limit)?;
@@ -153,9 +159,10 @@ fn fit_on<const D: usize>(
     let workers = Workers::new(options.n_threads)?;
     let report = FitReport { n_unknowns: grid.n_control() as u64, n_levels: 1, ..begun(&grid, cloud) };
     progress.tell(0.0, "assembly")?;
+    let clock = Instant::now();
     let data = Data::new(cloud, &grid)?;
     let energy = Energy::new(data, in_units_of(&grid, d), options.weights())?;
-    let mut fitting = Fitting { options, workers: &workers, clock: Instant::now(), energy, report };
+    let mut fitting = Fitting { options, workers: &workers, clock, energy, report };
     let mut coefficients = match options.reweighting {
         Reweighting::Largest => fitting.against_the_largest_error(start, progress)?,
         Reweighting::Robust => fitting.robustly(start, progress)?,
@@ -176,7 +183,9 @@ fn fit_tree<const D: usize>(
     let (grid, d) = (*start.tree.grid(), domain::diagonal(&cloud.bounds())?);
     let workers = Workers::new(options.n_threads)?;
     let mut report = begun(&grid, cloud);
+    let clock = Instant::now();
     let data = Data::new(cloud, &grid)?;
+    report.seconds_assembly = clock.elapsed().as_secs_f64();
     let start = Spline { tree: start.tree.on(in_units_of(&grid, d)), ..start };
     let Spline { tree, space, mut x } = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
     x.iter_mut().for_each(|x| *x *= d);
@@ -298,13 +307,13 @@ impl<const D: usize> Fitting<'_, D> {
         let mut stop = Stop { tolerance, max_iterations: self.iterations_left(), patience };
         let mut diagonal = Diagonal::new(&mut self.energy, self.workers)?;
         let (mut x, mut done) = cg::solve(&mut diagonal, &b, x, stop, self.workers, &mut observe)
-            .map_err(|error| error.counting_earlier_iterations(self.report.iterations))?;
+            .map_err(|error| error.of_a_round(self.report.iterations, self.options.tolerance))?;
         self.report.iterations += done.iterations as u32;
         if done.residual > tolerance {
             (stop.max_iterations, stop.patience) = (self.iterations_left(), None);
             let mut multigrid = self.energy.multigrid(self.workers)?;
             (x, done) = cg::solve(&mut multigrid, &b, x, stop, self.workers, &mut observe)
-                .map_err(|error| error.counting_earlier_iterations(self.report.iterations))?;
+                .map_err(|error| error.of_a_round(self.report.iterations, self.options.tolerance))?;
             self.report.iterations += done.iterations as u32;
         }
         (self.report.residual, self.report.convergence_rate) = (done.residual, done.rate);

@@ -80,7 +80,7 @@ impl<const D: usize> Terms<D> {
         let distance = self.distance.as_ref().map(|d| d.coarser(&grid)).transpose()?;
         let mut smoothness = self.smoothness.coarser(in_space(halved))?;
         smoothness.reserve()?;
-        Ok(Terms { smoothness, distance, view: data.view(grid, times), times })
+        Ok(Terms { smoothness, distance, view: data.view(grid, times)?, times })
     }
 
     /// A's entries in some planes of control points along x.

@@ -25,7 +25,8 @@ pub struct FitReport {
     /// Mean factor by which an iteration lowered it in that round, those with the last preconditioner alone; 0 where none
     /// was needed, NaN for a field that was loaded.
     pub convergence_rate: f64,
-    /// Seconds to measure the far distances and, of refined fits, to bring points and functions in order on the cells of each round.
+    /// Seconds to bring the points in order and to measure the far distances; of refined fits, those to bring functions in order too, and
+    /// all of it on the cells of each round.
     pub seconds_assembly: f64,
     /// Seconds of the solves, with right-hand sides, preconditioners, and what looks at their outcome between them.
     pub seconds_solve: f64,

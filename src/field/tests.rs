@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::geometry::random::SplitMix64;
-use crate::geometry::shapes::{box_mesh, sphere, torus};
+use crate::geometry::shapes::{box_mesh, scattered, sphere, torus};
 use crate::geometry::vec::{Vec3, add, dot, norm, scale, sub};
 use crate::geometry::{Cloud, Mesh};
 use crate::progress::Progress;
@@ -420,6 +420,9 @@ fn what_cannot_be_fitted_is_refused_with_the_reason() {
     assert!(matches!(refused(&ring(), few), Error::InvalidArgument(text) if text.contains("at least 4")));
     let short = FitOptions { max_iterations: 5, ..options() };
     assert!(matches!(refused(&ring(), short), Error::NotConverged { iterations: 5, .. }));
+    // In a round that is solved roughly: the tolerance is still the caller's.
+    let short = FitOptions { max_iterations: 2, tolerance: 1e-4, reweightings: 3, ..options() };
+    assert!(matches!(refused(&ring(), short), Error::NotConverged { tolerance: 1e-4, .. }));
     // The limit is on all rounds together, and so is the count in the error.
     let rounds = fit(&ring(), &FitOptions { tolerance: 1e-4, ..options() }).report().iterations;
     let short = FitOptions { max_iterations: rounds - 1, tolerance: 1e-4, ..options() };
@@ -460,4 +463,24 @@ fn closed_shapes_keep_their_sign_beyond_the_box_even_where_the_fit_is_coarse() {
             }
         }
     }
+}
+
+#[test]
+fn random_points_leave_no_doubt_about_the_sides_of_closed_shapes() {
+    let options = FitOptions { tolerance: 1e-2, ..options() };
+    for cloud in [scattered::sphere(2000, 1), scattered::torus(0.7, 0.25, 4000, 1)] {
+        let clear = fit(&cloud, &options).report().clear_sides;
+        assert!(clear > 0.99, "{clear}");
+    }
+}
+
+#[test]
+fn refinement_begins_with_no_more_control_points_than_it_may_take() {
+    let refined = |max_unknowns| {
+        let chosen = FitOptions { control_points: [0; 3], tolerance: 1e-2, ..options() };
+        *fit(&ring(), &FitOptions { max_error: 1e-3, max_unknowns, ..chosen }).report()
+    };
+    assert_eq!(refined(1).n_unknowns, 64, "four along each axis, as few as there can be");
+    let report = refined(1000);
+    assert!((200..=1000).contains(&report.n_unknowns), "{report:?}");
 }

@@ -145,6 +145,47 @@ fn quarter(directions: &mut Vec<Vec3>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> 
     quarters
 }
 
+/// Clouds of points that are independent of each other, uniform by area, with exact normals: what samples drawn even are not.
+#[cfg(test)]
+pub(crate) mod scattered {
+    use super::super::Cloud;
+    use super::super::random::SplitMix64;
+    use std::f64::consts::TAU;
+
+    pub(crate) fn circle(n: usize, seed: u64) -> Cloud<2> {
+        let mut random = SplitMix64::new(seed);
+        let points: Vec<[f64; 2]> = (0..n).map(|_| (TAU * random.unit()).sin_cos().into()).collect();
+        Cloud::new(points.clone(), points).unwrap()
+    }
+
+    pub(crate) fn sphere(n: usize, seed: u64) -> Cloud {
+        let mut random = SplitMix64::new(seed);
+        let mut point = || {
+            // Zones of the same height have the same area.
+            let z: f64 = random.between(-1.0, 1.0);
+            let (radius, (sin, cos)) = ((1.0 - z * z).sqrt(), (TAU * random.unit()).sin_cos());
+            [radius * cos, radius * sin, z]
+        };
+        let points: Vec<_> = (0..n).map(|_| point()).collect();
+        Cloud::new(points.clone(), points).unwrap()
+    }
+
+    /// Of the radii `far` and `near`.
+    pub(crate) fn torus(far: f64, near: f64, n: usize, seed: u64) -> Cloud {
+        let mut random = SplitMix64::new(seed);
+        let (mut points, mut normals) = (Vec::new(), Vec::new());
+        while points.len() < n {
+            let [(sin_u, cos_u), (sin_v, cos_v)] = [(); 2].map(|()| (TAU * random.unit()).sin_cos());
+            let radius = far + near * cos_v;
+            if random.unit() * (far + near) < radius {
+                points.push([radius * cos_u, radius * sin_u, near * sin_v]);
+                normals.push([cos_v * cos_u, cos_v * sin_u, sin_v]);
+            }
+        }
+        Cloud::new(points, normals).unwrap()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::vec::dot;

@@ -3,7 +3,7 @@
 //! Notation: A the operator, M the preconditioner, r = b - A x, z = M r, p the direction, rho = r . z.
 
 use super::vector::{dot, norm, update};
-use crate::error::try_vec;
+use crate::error::{try_reserve, try_vec};
 use crate::par::Workers;
 use crate::{Error, Result};
 
@@ -48,14 +48,18 @@ impl Pace {
     const LOOK: usize = 16;
 
     /// Whether more iterations than `patience` seem to be left to `tolerance` after one that reached `residual`.
-    fn is_slow(&mut self, residual: f64, tolerance: f64, patience: Option<usize>) -> bool {
+    fn is_slow(&mut self, residual: f64, tolerance: f64, patience: Option<usize>) -> Result<bool> {
+        let Some(patience) = patience else { return Ok(false) };
+        try_reserve(&mut self.residuals, 1, "the residuals of the solve")?;
         self.residuals.push(residual);
         let n = self.residuals.len();
-        let Some(patience) = patience.filter(|_| n.is_multiple_of(Pace::LOOK)) else { return false };
+        if !n.is_multiple_of(Pace::LOOK) {
+            return Ok(false);
+        }
         let fall = (self.residuals[n / 2] / residual).ln() / (n - 1 - n / 2) as f64;
         // A NaN, where residuals do not fall at all, is no number of iterations to wait for either.
         let waits = (residual / tolerance).ln() <= fall * patience as f64;
-        !waits
+        Ok(!waits)
     }
 }
 
@@ -113,7 +117,7 @@ pub fn solve(
             done.iterations += 1;
             done.residual = norm(workers, &r) / b_norm;
             observe(done.iterations, done.residual)?;
-            impatient = pace.is_slow(done.residual, stop.tolerance, stop.patience);
+            impatient = pace.is_slow(done.residual, stop.tolerance, stop.patience)?;
         }
     }
 }

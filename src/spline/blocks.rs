@@ -13,7 +13,7 @@
 use super::assembled::Assembled;
 use super::gram::{Band, HALF_BAND};
 use crate::Result;
-use crate::error::{try_vec, try_with_capacity};
+use crate::error::{try_reserve_exact, try_vec, try_with_capacity};
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use std::ops::Range;
@@ -53,6 +53,13 @@ struct Batch {
     /// First control point of each; as many as there are.
     firsts: Vec<usize>,
     factor: BatchFactor,
+}
+
+impl Batch {
+    /// The place of one that is to be made.
+    fn none() -> Self {
+        Batch { firsts: Vec::new(), factor: BatchFactor::Own(Vec::new()) }
+    }
 }
 
 /// L of the blocks with a diagonal of 1: rows of the lower triangle, with the reciprocals of its diagonal.
@@ -133,10 +140,19 @@ impl Blocks {
             if plane < done.max(planes.start) || plane + self.layers() > planes.end {
                 continue;
             }
-            let (own, others): (Vec<usize>, Vec<usize>) =
-                self.firsts(plane).partition(|f| self.members(*f).any(|p| kinds.own[p]));
-            let factor = |b: usize| self.factor(matrix, &own[b * LANES..(b * LANES + LANES).min(own.len())]);
-            let mut batches = workers.map(own.len().div_ceil(LANES), factor).into_iter().collect::<Result<Vec<_>>>()?;
+            let is_own = |f: &usize| self.members(*f).any(|p| kinds.own[p]);
+            let n_own = self.firsts(plane).filter(is_own).count();
+            let mut own = try_with_capacity(n_own, "the blocks of the smoother")?;
+            own.extend(self.firsts(plane).filter(is_own));
+            let mut others = try_with_capacity(self.firsts(plane).count() - n_own, "the blocks of the smoother")?;
+            others.extend(self.firsts(plane).filter(|f| !is_own(f)));
+
+            let mut batches = try_with_capacity(n_own.div_ceil(LANES), "the smoother")?;
+            batches.resize_with(n_own.div_ceil(LANES), Batch::none);
+            workers.try_for_each(batches.iter_mut().zip(own.chunks(LANES)), |(batch, firsts)| {
+                *batch = self.factor(matrix, firsts)?;
+                Ok(())
+            })?;
             self.share(&others, kinds, &mut batches)?;
             self.slabs.push(Slab { plane, batches });
         }
@@ -145,18 +161,23 @@ impl Blocks {
 
     /// Adds the batches of the blocks that begin at `firsts` and share factors.
     fn share(&mut self, firsts: &[usize], kinds: &Kinds, batches: &mut Vec<Batch>) -> Result<()> {
-        let mut open: Vec<(usize, Vec<usize>)> = Vec::new();
+        // Factors in the order in which they are met: there are few.
+        let mut met: Vec<usize> = Vec::new();
+        let mut sorted = try_with_capacity(firsts.len(), "the blocks of the smoother")?;
         for first in firsts {
             let index = self.shared_by(*first, kinds)?;
-            let place = open.iter().position(|(i, _)| *i == index).unwrap_or_else(|| {
-                open.push((index, Vec::new()));
-                open.len() - 1
+            let rank = met.iter().position(|i| *i == index).unwrap_or_else(|| {
+                met.push(index);
+                met.len() - 1
             });
-            open[place].1.push(*first);
+            sorted.push((rank, *first));
         }
-        for (index, firsts) in open {
-            for firsts in firsts.chunks(LANES) {
-                batches.push(Batch { firsts: firsts.to_vec(), factor: BatchFactor::Shared(index) });
+        sorted.sort_unstable();
+        try_reserve_exact(batches, firsts.len() / LANES + met.len(), "the smoother")?;
+        for alike in sorted.chunk_by(|a, b| a.0 == b.0) {
+            for eight in alike.chunks(LANES) {
+                let firsts = eight.iter().map(|(_, first)| *first).collect();
+                batches.push(Batch { firsts, factor: BatchFactor::Shared(met[eight[0].0]) });
             }
         }
         Ok(())

@@ -16,8 +16,8 @@
 //! | the integrals of (7) along one axis | [`gram::Gram`] |
 //!
 //! Of what the paper has not: [`two_scale`], splines of a coarse grid on a fine one; [`assembled`], operators by their entries; [`blocks`],
-//! their local inverses; [`centers`], sums at the middles of all cells; [`tree`], cells refined where needed, [`hierarchical`], the splines on
-//! them, and [`tile_gram`], their smoothness; [`hull`], bounds on parts of a cell.
+//! their local inverses; [`centers`], sums at the middles of all cells; [`tree`], cells refined where needed, [`hierarchical`], the splines
+//! on them, and [`tile_gram`], their smoothness; [`hull`], bounds on parts of a cell.
 //!
 //! Tensors of control points are row-major, the last axis contiguous.
 
@@ -38,3 +38,13 @@ pub mod tree;
 pub mod two_scale;
 
 pub use axis::{Axis, Grid};
+
+/// Where number `i` of a tensor of `shape` stands, row-major.
+#[inline(always)]
+pub fn place_of<const D: usize>(mut i: usize, shape: [usize; D]) -> [usize; D] {
+    let mut place = [0; D];
+    for (x, n) in place.iter_mut().zip(shape).rev() {
+        (*x, i) = (i % n, i / n);
+    }
+    place
+}

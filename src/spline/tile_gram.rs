@@ -83,23 +83,12 @@ impl<const D: usize> TileGram<D> {
         for (row, y) in y.chunks_exact_mut(ROW).enumerate() {
             let (i, j) = (row / SPAN, row % SPAN);
             for (k, y) in y.iter_mut().enumerate().take(SPAN) {
-                let at = |a: usize, order: usize| {
-                    of(
-                        a,
-                        order,
-                        if a + 1 == D {
-                            k
-                        } else if a + 2 == D {
-                            j
-                        } else {
-                            i
-                        },
-                    )
-                };
+                // Of the axes that there are, the last ones.
+                let at: [usize; D] = std::array::from_fn(|a| [i, j, k][a + 3 - D]);
                 for a in 0..D {
                     for b in a..D {
                         let order = |c: usize| usize::from(c == a) + usize::from(c == b);
-                        *y += (0..D).map(|c| at(c, order(c))).product::<f64>();
+                        *y += (0..D).map(|c| of(c, order(c), at[c])).product::<f64>();
                     }
                 }
             }

@@ -3,7 +3,7 @@
 //! Level 0 is a grid, its last tiles along an axis with fewer cells where their number is no multiple of 4; level l has cells 2^l times
 //! as short. A *leaf* is a tile that is not cut. Leaves cover the box once.
 
-use super::{Axis, Grid};
+use super::{Axis, Grid, place_of};
 use crate::Result;
 use crate::error::{try_reserve, try_vec, try_with_capacity};
 
@@ -12,7 +12,7 @@ pub const SIDE: usize = 4;
 
 /// Where number `i` of 4^D stands, the last axis fastest.
 pub fn in_tile<const D: usize>(i: usize) -> [usize; D] {
-    std::array::from_fn(|a| i / SIDE.pow((D - 1 - a) as u32) % SIDE)
+    place_of(i, [SIDE; D])
 }
 
 /// Levels beyond that of the grid, at most: coordinates in cells stay exact.
@@ -57,10 +57,8 @@ impl<const D: usize> Tree<D> {
         let roots = grid.n_cells().map(|n| n.div_ceil(SIDE));
         let none = Tile { level: 0, place: [0; D], child: 0 };
         let mut tiles = try_vec(roots.iter().product(), none, "the tiles of the grid")?;
-        for (mut i, tile) in tiles.iter_mut().enumerate() {
-            for a in (0..D).rev() {
-                (tile.place[a], i) = ((i % roots[a]) as u32, i / roots[a]);
-            }
+        for (i, tile) in tiles.iter_mut().enumerate() {
+            tile.place = place_of(i, roots).map(|x| x as u32);
         }
         Ok(Tree { grid, roots, tiles, below_end: grid.n_cells().map(|n| (n as f64).next_down()) })
     }

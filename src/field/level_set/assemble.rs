@@ -4,7 +4,7 @@ use super::crossings::Crossings;
 use super::kuhn::{CubeEdge, cases};
 use super::near::Near;
 use crate::Result;
-use crate::error::try_vec;
+use crate::error::{try_vec, try_with_capacity};
 use crate::par::Workers;
 
 /// The facets [F x D] of the level set of `f` in the order of the cubes, with normals to the side where `sign` times f grows.
@@ -17,13 +17,12 @@ pub(super) fn facets<const D: usize>(
 ) -> Result<Vec<[u32; D]>> {
     let cases = cases::<D>();
     let n_layers = near.counts()[0];
-    let counts = workers.map(n_layers, |layer| {
-        let mut count = 0;
-        near.each_mixed_cube(f, layer, |cube| count += cases[cube.negative].len());
-        count
+    let mut counts = try_vec(n_layers, 0, "the layers of the lattice")?;
+    workers.for_each(counts.iter_mut().enumerate(), |(layer, count)| {
+        near.each_mixed_cube(f, layer, |cube| *count += cases[cube.negative].len());
     });
     let mut facets = try_vec(counts.iter().sum(), [0; D], "the facets of the level set")?;
-    let mut items = Vec::with_capacity(n_layers);
+    let mut items = try_with_capacity(n_layers, "the layers of the lattice")?;
     let mut rest = &mut facets[..];
     for (layer, &count) in counts.iter().enumerate() {
         let (mine, behind) = rest.split_at_mut(count);

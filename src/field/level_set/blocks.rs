@@ -7,7 +7,8 @@ use crate::par::Workers;
 use crate::spline::hierarchical::{per_table, strides};
 use crate::spline::hull::{self, Window};
 use crate::spline::kernel::Stencil;
-use crate::spline::tree::SIDE;
+use crate::spline::tree::{SIDE, Tile, Tree};
+use crate::spline::{Grid, place_of};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,7 +16,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub const BLOCK: usize = 4;
 
 /// Blocks of 4^D cubes, each marked or not. The last along an axis may have fewer cubes.
-pub struct Blocks<const D: usize> {
+pub struct LatticeBlocks<const D: usize> {
     /// Cubes along each axis.
     cubes: [usize; D],
     /// Words of a row of blocks along the last axis, a bit a block.
@@ -23,13 +24,13 @@ pub struct Blocks<const D: usize> {
     bits: Vec<AtomicU64>,
 }
 
-impl<const D: usize> Blocks<D> {
+impl<const D: usize> LatticeBlocks<D> {
     /// The blocks of a lattice with these `cubes`, none of them marked.
     pub fn new(cubes: [usize; D]) -> Result<Self> {
         let (words, rows) = size(cubes);
         let mut bits = try_with_capacity(words * rows, "the blocks of the lattice")?;
         bits.resize_with(words * rows, AtomicU64::default);
-        Ok(Blocks { cubes, words, bits })
+        Ok(LatticeBlocks { cubes, words, bits })
     }
 
     /// Bytes that they take.
@@ -132,7 +133,15 @@ impl<const D: usize> Field<D> {
     /// Marks the blocks of a lattice on this field's box, of a whole number of cubes a cell of its grid, in which phi may be `level`. In a
     /// cell phi lies between its control points, in a part of it between its Bezier points there: what is left out is far from the level.
     /// Where evaluations err, they do so by less than what is taken off for that.
-    pub(in crate::field) fn mark_level(&self, level: f64, blocks: &Blocks<D>, workers: &Workers) {
+    ///
+    /// `tell` is told the fraction of cells that were looked at, and may stop.
+    pub(in crate::field) fn mark_level(
+        &self,
+        level: f64,
+        blocks: &LatticeBlocks<D>,
+        workers: &Workers,
+        tell: &mut dyn FnMut(f64) -> Result<()>,
+    ) -> Result<()> {
         let all = self.refined.as_ref().map_or(&self.coefficients[..], |r| r.tables());
         let size = all.iter().fold(level.abs(), |m, c| if c.abs() > m { c.abs() } else { m });
         let (grid, cubes) = (&self.grid, blocks.cubes());
@@ -142,46 +151,47 @@ impl<const D: usize> Field<D> {
             ASIDE * axis.lower.abs().max(axis.upper().abs()) / axis.cell * (1u64 << depth) as f64
         });
         if aside.iter().any(|x: &f64| x.is_nan() || *x > MOST_ASIDE) {
-            return blocks.mark_all();
+            blocks.mark_all();
+            return Ok(());
         }
         let per_cell = std::array::from_fn(|a| cubes[a] / grid.axes[a].n_cells);
         let search = Search { level, slack: SLACK * size, aside, per_cell, blocks };
         match &self.refined {
             None => {
                 let n = grid.n_cells();
-                let strides = std::array::from_fn(|a| grid.shape()[a + 1..].iter().product());
-                workers.for_each(0..n[..D - 1].iter().product(), |mut line: usize| {
-                    let mut place = [0; D];
-                    for a in (0..D - 1).rev() {
-                        (place[a], line) = (line % n[a], line / n[a]);
-                    }
-                    let first = (0..D).map(|a| place[a] * strides[a]).sum::<usize>();
-                    for k in 0..n[D - 1] {
-                        place[D - 1] = k;
-                        search.cell(0, place, &Stencil { first: first + k, strides }, &self.coefficients);
-                    }
-                });
+                let n_lines = n[..D - 1].iter().product();
+                by_rounds(n_lines, ROUND.div_ceil(n[D - 1]), tell, |lines| {
+                    workers.for_each(lines, |line| search.line(grid, line, &self.coefficients));
+                })
             }
             Some(refined) => {
-                let tree = refined.tree();
-                let leaves = tree.tiles().iter().zip(refined.tables().chunks_exact(per_table::<D>()));
-                workers.for_each(leaves, |(tile, table)| {
-                    if !tile.is_leaf() || !tree.holds(tile) {
-                        return;
-                    }
-                    let n = tree.cells(tile);
-                    for mut i in 0..n.iter().product() {
-                        let (mut place, mut first) = ([0; D], 0);
-                        for a in (0..D).rev() {
-                            first += i % n[a] * strides::<D>()[a];
-                            (place[a], i) = (SIDE * tile.place[a] as usize + i % n[a], i / n[a]);
-                        }
-                        search.cell(tile.level, place, &Stencil { first, strides: strides::<D>() }, table);
-                    }
-                });
+                let (tree, tables) = (refined.tree(), refined.tables());
+                by_rounds(tree.tiles().len(), ROUND / SIDE.pow(D as u32), tell, |tiles| {
+                    workers.for_each(tiles, |t| {
+                        let n = per_table::<D>();
+                        search.tile(tree, &tree.tiles()[t], &tables[t * n..(t + 1) * n]);
+                    });
+                })
             }
         }
     }
+}
+
+/// Cells that are looked at between two words of progress, about.
+const ROUND: usize = 1 << 17;
+
+/// Works on `n` items, some at a time, and tells how many are done.
+fn by_rounds(
+    n: usize,
+    round: usize,
+    tell: &mut dyn FnMut(f64) -> Result<()>,
+    work: impl Fn(Range<usize>),
+) -> Result<()> {
+    for first in (0..n).step_by(round) {
+        tell(first as f64 / n as f64)?;
+        work(first..n.min(first + round));
+    }
+    Ok(())
 }
 
 /// The search for blocks that the level set may go through.
@@ -192,10 +202,36 @@ struct Search<'a, const D: usize> {
     aside: [f64; D],
     /// Cubes of a cell of the grid along each axis.
     per_cell: [usize; D],
-    blocks: &'a Blocks<D>,
+    blocks: &'a LatticeBlocks<D>,
 }
 
 impl<const D: usize> Search<'_, D> {
+    /// Marks blocks of the cells of a grid along the last axis, on line `line` of those.
+    fn line(&self, grid: &Grid<D>, line: usize, coefficients: &[f64]) {
+        let n = grid.n_cells();
+        let strides: [usize; D] = std::array::from_fn(|a| grid.shape()[a + 1..].iter().product());
+        let mut place = place_of(line, std::array::from_fn(|a| if a == D - 1 { 1 } else { n[a] }));
+        let first = (0..D).map(|a| place[a] * strides[a]).sum::<usize>();
+        for k in 0..n[D - 1] {
+            place[D - 1] = k;
+            self.cell(0, place, &Stencil { first: first + k, strides }, coefficients);
+        }
+    }
+
+    /// Marks blocks of the cells of a tile, if it is a leaf with some.
+    fn tile(&self, tree: &Tree<D>, tile: &Tile<D>, table: &[f64]) {
+        if !tile.is_leaf() || !tree.holds(tile) {
+            return;
+        }
+        let (n, strides) = (tree.cells(tile), strides::<D>());
+        for i in 0..n.iter().product() {
+            let within = place_of(i, n);
+            let first = (0..D).map(|a| within[a] * strides[a]).sum();
+            let place = std::array::from_fn(|a| SIDE * tile.place[a] as usize + within[a]);
+            self.cell(tile.level, place, &Stencil { first, strides }, table);
+        }
+    }
+
     /// Marks blocks of the cell at `place` of the cells 2^`depth` times as short as the grid's.
     fn cell(&self, depth: u32, place: [usize; D], stencil: &Stencil<D>, coefficients: &[f64]) {
         let window = hull::window(stencil, coefficients);
@@ -246,13 +282,13 @@ impl<const D: usize> Search<'_, D> {
 mod tests {
     use super::*;
 
-    fn ends<const D: usize>(blocks: &Blocks<D>, rows: [Range<usize>; 2]) -> Vec<(usize, usize)> {
+    fn ends<const D: usize>(blocks: &LatticeBlocks<D>, rows: [Range<usize>; 2]) -> Vec<(usize, usize)> {
         blocks.runs(rows, &mut Vec::new()).map(|run| (run.start, run.end)).collect()
     }
 
     #[test]
     fn runs_are_what_is_marked() {
-        let blocks = Blocks::new([9, 5, 4 * 130]).unwrap();
+        let blocks = LatticeBlocks::new([9, 5, 4 * 130]).unwrap();
         let runs = |rows| ends(&blocks, rows);
         assert!(runs([0..3, 0..2]).is_empty());
         blocks.mark([8, 0, 0], [9, 1, 5]);
@@ -264,7 +300,7 @@ mod tests {
         assert_eq!(runs([0..1, 0..1]), [(129, 130)]);
         blocks.mark_all();
         assert_eq!(runs([0..1, 0..1]), [(0, 130)]);
-        let plane = Blocks::new([2, 300]).unwrap();
+        let plane = LatticeBlocks::new([2, 300]).unwrap();
         plane.mark([1, 280], [2, 281]);
         assert_eq!(ends(&plane, [0..1, 0..1]), [(70, 71)]);
     }

@@ -40,13 +40,12 @@ impl Crossings {
     pub fn find<const D: usize>(near: &Near<D>, f: &[f64], workers: &Workers) -> Result<Self> {
         let mut crossed = try_vec(f.len(), 0_u8, WORK)?;
         let mut rest = &mut crossed[..];
-        let layers: Vec<_> = (0..near.n_layers())
-            .map(|layer| {
-                let (mine, behind) = std::mem::take(&mut rest).split_at_mut(near.layer(layer).len());
-                rest = behind;
-                (layer, mine)
-            })
-            .collect();
+        let mut layers = try_with_capacity(near.n_layers(), WORK)?;
+        for layer in 0..near.n_layers() {
+            let (mine, behind) = rest.split_at_mut(near.layer(layer).len());
+            layers.push((layer, mine));
+            rest = behind;
+        }
         workers.for_each(layers, |(layer, crossed)| mark(near, f, layer, crossed));
         let mut first = try_with_capacity(f.len(), WORK)?;
         let mut len = 0_usize;

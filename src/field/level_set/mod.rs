@@ -51,7 +51,7 @@ use crate::geometry::vec::number;
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::spline::Axis;
-pub use blocks::Blocks;
+pub use blocks::LatticeBlocks;
 use crossings::Crossings;
 use cubes::Cubes;
 use kuhn::CubeEdge;
@@ -109,7 +109,8 @@ impl<const D: usize> Field<D> {
     /// others a shape about that far from it. Normals point out of the solid, to where phi grows when the feasible side is outside, to
     /// where it falls when inside.
     ///
-    /// Of a refined field the cells that `options` cuts are those of its deepest level with which the lattice has no more than 2^26 vertices.
+    /// Of a refined field the cells that `options` cuts are those of its deepest level with which the lattice has no more than 2^26
+    /// vertices.
     ///
     /// The same bits on any number of threads. Cost: an evaluation at each lattice vertex in blocks that phi's control points do not keep
     /// from the level, about 5 with gradient at each crossing. [`Error::Degenerate`] where phi does not take the level on the lattice,
@@ -149,7 +150,7 @@ struct Surface<const D: usize> {
     facets: Vec<[u32; D]>,
 }
 
-/// Bytes per vertex of the raw surface: place, normal, faces, crossing, with facets (two a vertex), rings, the heap of short edges and the
+/// Bytes per vertex of the raw surface: place, normal, faces, crossing, with facets (two a vertex), rings, the list of short edges and the
 /// moves.
 const VERTEX_BYTES: u128 = 320;
 
@@ -170,8 +171,8 @@ pub fn extract<F: Function<D>, const D: usize>(
     let cubes = Cubes::new(axes, options.subdivisions)?;
     check_memory(Near::least_bytes(&cubes), &cubes, options.memory_limit)?;
     let workers = Workers::new(options.n_threads)?;
-    let blocks = Blocks::new(cubes.counts())?;
-    phi.mark_blocks(level, &blocks, &workers);
+    let blocks = LatticeBlocks::new(cubes.counts())?;
+    phi.mark_blocks(level, &blocks, &workers, &mut |done| progress.tell(0.1 * done, "lattice"))?;
     let mut lattice_bytes = 0;
     let near = Near::new(&cubes, blocks, |bytes, vertices| {
         lattice_bytes = bytes + vertices as u128 * (size_of::<f64>() as u128 + Crossings::BYTES);
@@ -180,7 +181,7 @@ pub fn extract<F: Function<D>, const D: usize>(
 
     let mut f = try_vec(near.len(), 0.0, "the values on the lattice")?;
     let which = (near.len(), |places| near.vertices(places));
-    let tell = |done| progress.tell(0.4 * done, "lattice");
+    let tell = |done| progress.tell(0.1 + 0.3 * done, "lattice");
     cubes.lattice()?.eval_some(phi, which, Some(&mut f), None, &workers, tell)?;
     let range = range_of(&f);
     f.iter_mut().for_each(|f| *f -= level);

@@ -3,7 +3,7 @@
 //! Cubes whose corners are of both signs lie in marked blocks, and with them all cubes that hold a crossed edge: what is left out is of
 //! one sign. Vertices are kept in the order of the lattice, so that what is numbered by them is numbered as on the whole lattice.
 
-use super::blocks::{BLOCK, Blocks};
+use super::blocks::{BLOCK, LatticeBlocks};
 use super::cubes::Cubes;
 use crate::Result;
 use crate::error::try_with_capacity;
@@ -23,7 +23,7 @@ struct Run {
 
 /// The vertices kept of a lattice.
 pub(super) struct Near<const D: usize> {
-    blocks: Blocks<D>,
+    blocks: LatticeBlocks<D>,
     /// Distance in memory of lattice vertices along each axis.
     strides: [usize; D],
     /// Per row of lattice vertices along the last axis, the first of its runs; and their number.
@@ -53,11 +53,15 @@ impl<const D: usize> Mixed<'_, D> {
 impl<const D: usize> Near<D> {
     /// Bytes that it takes at least, blocks included.
     pub fn least_bytes(cubes: &Cubes<D>) -> u128 {
-        Blocks::bytes(cubes.counts()) + (cubes.len() / cubes.shape[D - 1]) as u128 * size_of::<usize>() as u128
+        LatticeBlocks::bytes(cubes.counts()) + (cubes.len() / cubes.shape[D - 1]) as u128 * size_of::<usize>() as u128
     }
 
     /// The vertices of the cubes of marked `blocks`. Before it takes memory it asks `afford(bytes, vertices)`.
-    pub fn new(cubes: &Cubes<D>, blocks: Blocks<D>, afford: impl FnOnce(u128, usize) -> Result<()>) -> Result<Self> {
+    pub fn new(
+        cubes: &Cubes<D>,
+        blocks: LatticeBlocks<D>,
+        afford: impl FnOnce(u128, usize) -> Result<()>,
+    ) -> Result<Self> {
         let rows = cubes.len() / cubes.shape[D - 1];
         let (mut n_runs, mut n) = (0, 0);
         each_run(cubes, &blocks, |_, run| (n_runs, n) = (n_runs + 1, n + run.len()));
@@ -153,7 +157,7 @@ impl<const D: usize> Near<D> {
 }
 
 /// Calls `visit(row, vertices)` for each run of vertices that marked blocks keep, in the order of the lattice.
-fn each_run<const D: usize>(cubes: &Cubes<D>, blocks: &Blocks<D>, mut visit: impl FnMut(usize, Range<usize>)) {
+fn each_run<const D: usize>(cubes: &Cubes<D>, blocks: &LatticeBlocks<D>, mut visit: impl FnMut(usize, Range<usize>)) {
     let n = cubes.counts();
     let along = cubes.shape[D - 1];
     let mut scratch = Vec::new();

@@ -331,6 +331,28 @@ fn cancelling_works_at_every_word_of_progress() {
     assert!(last > 4 && ask(last).is_none());
 }
 
+/// Looking for blocks in a large field tells progress too, and stops where it is asked to.
+#[test]
+fn a_search_for_blocks_is_told_of_and_stopped() {
+    let grid = crate::spline::Grid { axes: axes::<2>(500) };
+    let shape = grid.shape();
+    let phi = (0..shape[0] * shape[1]).map(|i| (i / shape[1]) as f64 - 200.0).collect();
+    let field = Field::from_control_points(grid, phi, crate::field::Feasible::Outside, 1.0).unwrap();
+    let ask = |last: usize| {
+        let mut told = Vec::new();
+        let mut tell = |done| {
+            told.push(done);
+            if told.len() > last { Err(Error::Cancelled) } else { Ok(()) }
+        };
+        let blocks = LatticeBlocks::new([1000; 2]).unwrap();
+        let end = field.mark_level(0.0, &blocks, &Workers::caller_only(), &mut tell);
+        (end.err(), told)
+    };
+    let (end, told) = ask(usize::MAX);
+    assert!(end.is_none() && told.len() > 1 && told.iter().all(|done| (0.0..1.0).contains(done)), "{told:?}");
+    assert_eq!(ask(1).0, Some(Error::Cancelled));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -83,7 +83,8 @@ pub fn fit<const D: usize>(
         fitting.full |= round == MOST_ROUNDS;
         let mut further = None;
         if fitting.may_cut() {
-            x = fitting.solve(x, true, 0.3)?;
+            // From the start on to the end: what a solve leaves undone would be taken for errors of the cells, and cut.
+            x = fitting.solve(x, round > 1, 0.3)?;
             further = fitting.refine(&x, true)?;
         }
         if further.is_none() {
@@ -192,7 +193,7 @@ impl<const D: usize> Fitting<'_, '_, D> {
         };
         let earlier = self.report.iterations;
         let (x, done) = cg::solve(&mut self.energy, &b, x, stop, self.workers, observe)
-            .map_err(|error| error.counting_earlier_iterations(earlier))?;
+            .map_err(|error| error.of_a_round(earlier, self.options.tolerance))?;
         self.done += share;
         self.report.iterations += done.iterations as u32;
         (self.report.residual, self.report.convergence_rate) = (done.residual, done.rate);

@@ -8,7 +8,7 @@
 //!
 //! The energy (10) is the same sum over points and integral over the box, in each leaf on the splines of its own level: [`energy`]. Its
 //! weights follow the cells: from level to level lambda_n falls by 4 and lambda_r by 5, which about keeps the three terms in the proportion
-//! that they have on the grid (docs/weights.md), where a uniform grid asks the caller to know.
+//! that they have on the grid, where a uniform grid asks the caller to know.
 //!
 //! Points are not reweighted as on one grid, but for those that are still missed when their cells hold too few points to be cut. Where the
 //! surface misses points cells are cut, which brings the largest error down as well; and what points beside an edge gain from weight, phi
