@@ -19,6 +19,7 @@
 //! Unsafe code is in `ffi` for the pointers of C, in [`isa`] for instructions, in `pages` for a hint to the system, in [`spline::rows`] for
 //! rows that were checked before, and nowhere else.
 
+pub mod constraint;
 pub mod dimension;
 pub mod error;
 pub mod ffi;
