@@ -11,6 +11,7 @@
 //! | [`spline`] | a box and a resolution | uniform cubic B-splines, exact Gram matrices, operators on control points, evaluation |
 //! | [`linalg`] | operators | solutions by conjugate gradients, preconditioned by multigrid |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
+//! | [`constraint`] | bodies, poses, fields | constraints with Jacobians and Hessians, aggregates |
 //! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all share: plane or space, errors, instructions, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
 //!
