@@ -352,7 +352,8 @@ fn check(of: Aggregation, unit: f64, values: &[f64], wanted: &Derivatives) -> Re
         return wrong(format!("unit is {unit}; it must lie in [1e-90, 1e90]"));
     }
     // A NaN is in no range.
-    if let Some((i, v)) = values.iter().enumerate().find(|(_, v)| !(v.abs() <= LARGEST * unit)) {
+    let served = -LARGEST * unit..=LARGEST * unit;
+    if let Some((i, v)) = values.iter().enumerate().find(|(_, v)| !served.contains(v)) {
         return wrong(format!(
             "value {i} is {v}; values must be finite, and at most {LARGEST:e} times the unit in size"
         ));

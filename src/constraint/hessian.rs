@@ -246,9 +246,10 @@ impl<const D: usize> Second<'_, D> {
                         let coupled = ww * w.first * v.first + aw * (w.share * v.first + w.first * v.share);
                         // Both gradients have s, J one.
                         let c = self.factor() * coupled / self.relative.scale;
-                        for a in 0..D {
-                            for b in 0..if row == column { a + 1 } else { D } {
-                                entries.add(of, D * row + a, D * column + b, c * g[a] * h[b]);
+                        for (a, g) in g.iter().enumerate() {
+                            // Of a point against itself the lower triangle.
+                            for (b, h) in h.iter().enumerate().take(if row == column { a + 1 } else { D }) {
+                                entries.add(of, D * row + a, D * column + b, c * g * h);
                             }
                         }
                     }

@@ -75,8 +75,10 @@ pub(super) struct Exponentials<'a, const D: usize> {
     /// 1 / D
     pub per_unit: f64,
     pub phi: &'a [f64],
-    /// With the samples, each with a 1 behind it.
-    pub gradients: Option<(&'a [[f64; D]], &'a [[f64; 4]])>,
+    /// Of phi; none where no moments are wanted.
+    pub gradients: Option<&'a [[f64; D]]>,
+    /// The samples, each with a 1 behind it.
+    pub points: &'a [[f64; 4]],
 }
 
 impl<const D: usize> Kernel for Exponentials<'_, D> {
@@ -84,7 +86,7 @@ impl<const D: usize> Kernel for Exponentials<'_, D> {
 
     #[inline(always)]
     fn run<I: Isa>(self) -> (SoftMin, Moments<D>) {
-        let Exponentials { of: Aggregation { kind, sharpness, .. }, per_unit, phi, gradients } = self;
+        let Exponentials { of: Aggregation { kind, sharpness, .. }, per_unit, phi, gradients, points } = self;
         let n = phi.len();
         let (mut y, mut e) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut least = f64::INFINITY;
@@ -101,7 +103,7 @@ impl<const D: usize> Kernel for Exponentials<'_, D> {
             first += e[i] * (y[i] - least);
         }
         let mut moments = Moments::EMPTY;
-        if let Some((gradients, points)) = gradients {
+        if let Some(gradients) = gradients {
             if kind == Kind::PNorm {
                 (0..n).for_each(|i| e[i] *= slope(phi[i] * per_unit));
             }

@@ -208,7 +208,7 @@ fn turn<const D: usize>(rotation: Rotation, parameters: &[f64], order: Order) ->
 const LARGEST: f64 = 1e6;
 
 fn of_angle<const D: usize>(angle: f64) -> Result<Turn<D>> {
-    if !(angle.abs() <= LARGEST) {
+    if !(-LARGEST..=LARGEST).contains(&angle) {
         let text = format!("parameter {D} is the angle {angle}; it must lie in [-1e6, 1e6]");
         return Err(Error::InvalidArgument(text));
     }
@@ -263,7 +263,7 @@ fn of_quaternion<const D: usize>(q: [f64; 4], order: Order) -> Result<Turn<D>> {
 
 fn of_vector<const D: usize>(v: [f64; 3], order: Order) -> Result<Turn<D>> {
     let s = v.iter().map(|x| x * x).sum::<f64>();
-    if !(s <= LARGEST * LARGEST) {
+    if !(0.0..=LARGEST * LARGEST).contains(&s) {
         let length = s.sqrt();
         let text =
             format!("parameters {D} to {} are a rotation vector of length {length}; at most 1e6 is taken", D + 2);

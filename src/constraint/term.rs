@@ -192,7 +192,8 @@ impl<const D: usize> Term<D> {
             of: self.aggregation,
             per_unit: 1.0 / self.unit(),
             phi: &block.phi[..n],
-            gradients: MOMENTS.then_some((&block.gradients[..n], &block.points[..n])),
+            gradients: MOMENTS.then_some(&block.gradients[..n]),
+            points: &block.points[..n],
         })
     }
 
@@ -303,10 +304,8 @@ impl<const D: usize> Term<D> {
 
 /// to += g (p, 1)
 fn add_outer<const D: usize>(to: &mut Affine<D>, g: [f64; D], p: &[f64; 4]) {
-    for a in 0..D {
-        for b in 0..D {
-            to.linear[a][b] += g[a] * p[b];
-        }
+    for (row, g) in to.linear.iter_mut().zip(g) {
+        row.iter_mut().zip(p).for_each(|(to, p)| *to += g * p);
     }
     to.shift = add(to.shift, g);
 }

@@ -167,7 +167,7 @@ pub unsafe extern "C" fn ko_aggregation_bounds(
         if n_values == 0 {
             return Err(Error::InvalidArgument("n_values is 0; at least 1 is needed".into()));
         }
-        if !(least.abs() <= 1e12) {
+        if !(-1e12..=1e12).contains(&least) {
             return Err(Error::InvalidArgument(format!("least is {least}; it must lie in [-1e12, 1e12]")));
         }
         check_wanted_place(below, "below")?;
