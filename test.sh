@@ -71,7 +71,8 @@ tests_named() {
 under_valgrind() (
     room=$(mktemp -d)
     trap 'rm -rf "$room"' EXIT
-    programs=(lifecycle plane level_sets normals clouds refits refined errors errors_later threads golden fortran)
+    programs=(lifecycle plane level_sets normals clouds refits refined constraints constraints_errors errors errors_later threads golden
+        fortran)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     for program in "${programs[@]}"; do

@@ -49,20 +49,24 @@ struct Subject {
 };
 
 // Prints the machine, and the subjects that the command line names behind the folder of data; all where it names none, but for `alone`,
-// which is for a process that does nothing else.
-inline int run_subjects(const char *name, int argc, char **argv, const std::vector<Subject> &subjects, const Subject &alone) {
+// which is for processes that do nothing else.
+inline int run_subjects(const char *name, int argc, char **argv, const std::vector<Subject> &subjects,
+                        const std::vector<Subject> &alone = {}) {
     std::vector<Subject> named;
     bool known = argc >= 2;
     for (int i = 2; i < argc; ++i) {
         const auto is_it = [&](const Subject &subject) { return !std::strcmp(argv[i], subject.name); };
-        const auto found = std::find_if(subjects.begin(), subjects.end(), is_it);
-        known = known && (found != subjects.end() || is_it(alone));
-        named.push_back(found != subjects.end() ? *found : alone);
+        for (const std::vector<Subject> *of : {&subjects, &alone}) {
+            const auto found = std::find_if(of->begin(), of->end(), is_it);
+            if (found != of->end()) named.push_back(*found);
+        }
+        known = known && named.size() + 1 == static_cast<std::size_t>(i);
     }
     if (!known) {
         std::fprintf(stderr, "usage: %s DATA_FOLDER [SUBJECT...], of", name);
         for (const Subject &subject : subjects) std::fprintf(stderr, " %s", subject.name);
-        std::fprintf(stderr, " %s\n", alone.name);
+        for (const Subject &subject : alone) std::fprintf(stderr, " %s", subject.name);
+        std::fprintf(stderr, "\n");
         return EXIT_FAILURE;
     }
     return run(name, [&] {

@@ -80,12 +80,56 @@ static void check_refined(const double *inside, const double *outside) {
     }
 }
 
+/* A body in a frame by each aggregate, alone and in a field that moves; points that are variables. */
+static void check_constraints(uint32_t dim) {
+    enum { N_VALUES = 3 * 300 + 4 + 20 + 1, MOST = 12000 };
+    static double jacobian[MOST], dense[N_VALUES * 60], entries[MOST];
+    ko_field *field = check_made_field(dim);
+    ko_body *body = check_body(dim, 300, 2);
+    ko_constraints *set = NULL;
+    uint32_t frame = 0, other = 0, path = 0;
+    OK(ko_constraints_create(dim, &set));
+    OK(ko_constraints_add_frame(set, dim == 3 ? KO_ROTATION_VECTOR : KO_ROTATION_ANGLE, KO_SCALE_FREE, &frame));
+    OK(ko_constraints_add_frame(set, KO_ROTATION_NONE, KO_SCALE_FREE, &other));
+    OK(ko_constraints_add_points(set, 10, &path));
+    for (int32_t kind = KO_AGGREGATE_NONE; kind <= KO_AGGREGATE_P_NORM; kind++) {
+        ko_aggregation aggregation = check_aggregation(kind);
+        OK(ko_constraints_keep_body(set, body, frame, field, other, &aggregation, NULL));
+        OK(ko_constraints_keep_points(set, path, field, kind % 2 == 0 ? KO_WORLD : frame, &aggregation, NULL));
+    }
+    size_t n = 0, m = 0, n_jacobian = 0, n_hessian = 0;
+    OK(ko_constraints_get_size(set, &n, &m, &n_jacobian, &n_hessian));
+    CHECK(n <= 60 && m <= N_VALUES && n_jacobian <= MOST && n_hessian <= MOST);
+    double *x = check_points(n, 0.3, 6), *w = check_points(m, 1.0, 7);
+    size_t first = 0, n_first = 0;
+    OK(ko_constraints_get_frame_variables(set, frame, &first, &n_first));
+    x[first + n_first - 1] = 1.1;
+    OK(ko_constraints_get_frame_variables(set, other, &first, &n_first));
+    x[first + n_first - 1] = 0.9;
+    CHECK(COUNTED(ko_constraints_values(set, x, n, m, values)) == 0);
+    CHECK(COUNTED(ko_constraints_jacobian(set, x, n, n_jacobian, jacobian)) == 0);
+    CHECK(COUNTED(ko_constraints_values_and_jacobian(set, x, n, m, values, n_jacobian, jacobian)) == 0);
+    CHECK(COUNTED(ko_constraints_dense_jacobian(set, x, n, m, dense)) == 0);
+    CHECK(COUNTED(ko_constraints_jacobian_times(set, x, x, n, m, values)) == 0);
+    CHECK(COUNTED(ko_constraints_transposed_jacobian_times(set, x, n, w, m, values)) == 0);
+    CHECK(COUNTED(ko_constraints_hessian(set, x, n, w, m, n_hessian, entries)) == 0);
+    ko_aggregation aggregation = check_aggregation(KO_AGGREGATE_KS);
+    CHECK(COUNTED(ko_aggregate(&aggregation, KO_LEAST, 1.0, w, 100, values, gradients, dense)) == 0);
+    free(x);
+    free(w);
+    ko_constraints_free(set);
+    ko_body_free(body);
+    ko_field_free(field);
+}
+
 int main(void) {
     ko_field *field = check_sphere_field(8), *plane = check_circle_field(8);
     double *inside = check_points(N, 0.9, 1), *outside = check_points(N, 5.0, 2);
     check_evaluation(field, inside, outside);
     check_evaluation(plane, inside, outside);
     check_refined(inside, outside);
+    check_constraints(2);
+    check_constraints(3);
 
     /* The counter counts: these calls do allocate. */
     ko_mesh *mesh = NULL;

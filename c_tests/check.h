@@ -202,4 +202,43 @@ static inline ko_field *check_circle_field(uint32_t n) {
     return field;
 }
 
+/* A smooth field made of 8 control points along each axis on the box [-1, 1]^dim: about a ball of radius 0.6, not quite round. It takes no
+ * fit. */
+static inline ko_field *check_made_field(uint32_t dim) {
+    const uint32_t counts[3] = {8, 8, 8};
+    const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+    const size_t n = dim == 2 ? 64 : 512;
+    double control_points[512];
+    for (size_t i = 0; i < n; i++) {
+        double square = 0.0, bumps = 0.0;
+        for (size_t a = 0, rest = i; a < dim; a++, rest /= 8) {
+            double x = -1.0 + ((double)(rest % 8) - 1.0) * 0.4;
+            square += x * x;
+            bumps += 0.05 * sin(3.0 * x + (double)a);
+        }
+        control_points[i] = sqrt(square + 0.05) - 0.6 + bumps;
+    }
+    ko_field *field = NULL;
+    OK(ko_field_from_control_points(dim, counts, low, high, KO_FEASIBLE_OUTSIDE, 2.5, control_points, n, &field));
+    return field;
+}
+
+/* A body of `n` points drawn from [-0.4, 0.4]^dim. */
+static inline ko_body *check_body(uint32_t dim, size_t n, uint64_t seed) {
+    double *points = check_points(n, 0.4, seed);
+    ko_body *body = NULL;
+    OK(ko_body_from_points(dim, points, n, 0.0, &body));
+    free(points);
+    return body;
+}
+
+/* The aggregation of this kind, of a sharpness that leaves many samples their say. */
+static inline ko_aggregation check_aggregation(int32_t kind) {
+    ko_aggregation aggregation;
+    OK(ko_aggregation_init(&aggregation, sizeof aggregation));
+    aggregation.kind = kind;
+    aggregation.sharpness = 20.0;
+    return aggregation;
+}
+
 #endif

@@ -9,6 +9,8 @@
 static_assert(!std::is_copy_constructible_v<keepout::Mesh> && std::is_nothrow_move_constructible_v<keepout::Mesh>);
 static_assert(!std::is_copy_constructible_v<keepout::Cloud> && std::is_nothrow_move_constructible_v<keepout::Cloud>);
 static_assert(!std::is_copy_constructible_v<keepout::Field> && std::is_nothrow_move_constructible_v<keepout::Field>);
+static_assert(!std::is_copy_constructible_v<keepout::Body> && std::is_nothrow_move_constructible_v<keepout::Body>);
+static_assert(!std::is_copy_constructible_v<keepout::Constraints> && std::is_nothrow_move_constructible_v<keepout::Constraints>);
 
 static_assert(std::is_convertible_v<std::vector<double>, keepout::Span<const double>>);
 static_assert(std::is_convertible_v<std::vector<double> &, keepout::Span<double>>);
@@ -336,6 +338,138 @@ static void clouds_are_not_trusted_alike() {
     THROWS(cloud.set_weights({origin, 3}), KO_ERR_INVALID_ARGUMENT, "3 weights");
 }
 
+static void numbers_are_aggregated() {
+    const std::vector<double> numbers = {0.5, 0.1, 0.3};
+    keepout::Aggregation aggregation;
+    CHECK(aggregation.kind == KO_AGGREGATE_KS && aggregation.side == KO_BELOW && aggregation.sharpness == 500.0);
+    aggregation.sharpness = 20.0;
+    std::vector<double> gradient(3), hessian(6);
+    const double least = keepout::aggregate(aggregation, KO_LEAST, 1.0, numbers, gradient, hessian);
+    const keepout::Bounds bounds = keepout::aggregation_bounds(aggregation, 3);
+    CHECK(least <= 0.1 && least >= 0.1 - bounds.below && bounds.above == 0.0);
+    CHECK_NEAR(gradient[0] + gradient[1] + gradient[2], 1.0, 1e-14);
+    CHECK_NEAR(hessian[1] + hessian[2] + hessian[4], 0.0, 1e-13);
+    aggregation.kind = KO_AGGREGATE_MINIMUM;
+    CHECK(keepout::aggregate(aggregation, KO_LARGEST, 1.0, numbers) == 0.5);
+    THROWS(keepout::aggregate(aggregation, KO_LEAST, 1.0, numbers, gradient, hessian), KO_ERR_UNSUPPORTED, "not smooth");
+    THROWS(keepout::aggregate(aggregation, KO_LEAST, 1.0, {}), KO_ERR_INVALID_ARGUMENT, "no values");
+    THROWS(keepout::aggregate(aggregation, KO_LEAST, 1.0, numbers, hessian), KO_ERR_INVALID_ARGUMENT,
+           "gradient has room for 6 entries; 3");
+    THROWS(keepout::aggregate(aggregation, KO_LEAST, 1.0, numbers, {}, gradient), KO_ERR_INVALID_ARGUMENT,
+           "hessian has room for 3 entries; 6");
+    THROWS(keepout::aggregation_bounds(aggregation, 0), KO_ERR_INVALID_ARGUMENT, "n_values is 0");
+}
+
+static void bodies_are_points() {
+    const std::vector<double> points = {0, 0, 1, 0, 0, 1};
+    const keepout::Body flat = keepout::Body::from_points(points, 0.5, 2), one = keepout::Body::from_points(points);
+    CHECK(flat.dim() == 2 && flat.size() == 3 && flat.covering_radius() == 0.5 && flat.points() == points);
+    CHECK(one.dim() == 3 && one.size() == 2 && one.covering_radius() == 0.0 && one.points() == points);
+    const keepout::Body covered = keepout::Body::from_mesh(frame(), 0.1);
+    CHECK(covered.dim() == 2 && covered.size() > 60 && covered.covering_radius() == 0.1);
+    CHECK(keepout::Body::from_mesh(cube(), 10.0).size() == 8);
+    THROWS(keepout::Body::from_points(std::vector<double>(7)), KO_ERR_INVALID_ARGUMENT, "points has 7 numbers");
+    THROWS(keepout::Body::from_points(points, -1.0), KO_ERR_INVALID_ARGUMENT, "covering_radius is -1");
+    THROWS(keepout::Body::from_mesh(cube(), 0.0), KO_ERR_INVALID_ARGUMENT, "covering_radius is 0");
+    THROWS(keepout::Body(nullptr).size(), KO_ERR_INVALID_ARGUMENT, "body is NULL");
+}
+
+/// A body in a frame and a path of points, in a field that is gone when they are evaluated.
+static keepout::Constraints make_constraints() {
+    ko_field *handle = check_made_field(3);
+    const keepout::Field field(handle);
+    const keepout::Body body(check_body(3, 20, 1));
+    keepout::Constraints set = keepout::Constraints::create();
+    const std::uint32_t frame = set.add_frame(KO_ROTATION_QUATERNION), path = set.add_points(4);
+    const std::uint32_t still = set.add_fixed_frame(KO_ROTATION_NONE, KO_SCALE_FREE, std::vector<double>{0.1, 0.2, 0.3, 1.5});
+    CHECK(frame == 1 && still == 2 && path == 0);
+    keepout::Aggregation each;
+    each.kind = KO_AGGREGATE_NONE;
+    CHECK(set.keep_body(body, frame, field) == 0);
+    CHECK(set.keep_points(path, field, still, each) == 1);
+    CHECK(set.keep_body(body, KO_WORLD, field, frame, each) == 5);
+    CHECK(set.keep_points(path, field) == 25);
+    THROWS(set.keep_body(body, frame, field, frame), KO_ERR_INVALID_ARGUMENT, "both move with frame 1");
+    THROWS(set.keep_points(1, field), KO_ERR_INVALID_ARGUMENT, "no set of points 1");
+    return set;
+}
+
+static void constraints_are_differentiated() {
+    const keepout::Constraints set = make_constraints();
+    const keepout::Constraints::Size size = set.size();
+    const std::size_t n = 7 + 12, m = 26;
+    CHECK(size.n_variables == n && size.n_values == m && size.n_jacobian == 7 + 4 * 3 + 20 * 7 + 12);
+    CHECK(set.frame_variables(1).first == 0 && set.frame_variables(1).n == 7 && set.frame_variables(2).n == 0);
+    CHECK(set.points_variables(0).first == 7 && set.points_variables(0).n == 12);
+    std::vector<double> x(n), v(n), w(m);
+    std::uint64_t seed = 3;
+    for (std::vector<double> *numbers : {&x, &v, &w}) {
+        for (double &number : *numbers) {
+            number = check_random(&seed);
+        }
+    }
+    const std::vector<double> values = set.values(x), entries = set.jacobian(x), dense = set.dense_jacobian(x);
+    const keepout::Constraints::Pattern places = set.jacobian_pattern(), pairs = set.hessian_pattern();
+    CHECK(values.size() == m && entries.size() == size.n_jacobian && dense.size() == m * n);
+    CHECK(places.rows.size() == size.n_jacobian && pairs.columns.size() == size.n_hessian);
+    std::vector<double> scattered(m * n), again(m), entries_again(size.n_jacobian);
+    for (std::size_t k = 0; k < entries.size(); k++) {
+        scattered[places.rows[k] * n + places.columns[k]] = entries[k];
+    }
+    CHECK(scattered == dense);
+    set.values_and_jacobian(x, again, entries_again);
+    CHECK(entries_again == entries);
+    const std::vector<double> jv = set.jacobian_times(x, v), jtw = set.transposed_jacobian_times(x, w);
+    double one = 0.0, other = 0.0;
+    for (std::size_t i = 0; i < m; i++) {
+        CHECK_NEAR(again[i], values[i], 1e-13);
+        one += w[i] * jv[i];
+    }
+    for (std::size_t j = 0; j < n; j++) {
+        other += jtw[j] * v[j];
+    }
+    CHECK_NEAR(one, other, 1e-11);
+
+    // H v of the triangle against a difference of J^T w along v.
+    const std::vector<double> triangle = set.hessian(x, w);
+    std::vector<double> product(n), before = x, behind = x;
+    for (std::size_t k = 0; k < triangle.size(); k++) {
+        const std::size_t i = pairs.rows[k], j = pairs.columns[k];
+        product[i] += triangle[k] * v[j];
+        product[j] += i == j ? 0.0 : triangle[k] * v[i];
+    }
+    const double step = 1e-6;
+    for (std::size_t j = 0; j < n; j++) {
+        before[j] -= step * v[j], behind[j] += step * v[j];
+    }
+    const std::vector<double> low = set.transposed_jacobian_times(before, w), high = set.transposed_jacobian_times(behind, w);
+    for (std::size_t j = 0; j < n; j++) {
+        CHECK_NEAR((high[j] - low[j]) / (2.0 * step), product[j], 1e-4 * std::max(1.0, std::abs(product[j])));
+    }
+}
+
+static void constraints_are_checked() {
+    const keepout::Constraints set = make_constraints();
+    std::vector<double> x(19, 0.5), values(25), jacobian(26 * 19 - 1);
+    THROWS(set.values(x, values), KO_ERR_INVALID_ARGUMENT, "values has 25 entries; there are 26 values");
+    THROWS(set.values({}), KO_ERR_INVALID_ARGUMENT, "x has 0 entries; there are 19 variables");
+    THROWS(set.dense_jacobian(x, jacobian), KO_ERR_INVALID_ARGUMENT, "jacobian has room for 493 entries; 494");
+    THROWS(set.jacobian_times(x, values), KO_ERR_INVALID_ARGUMENT, "v has room for 25 entries; 19");
+    THROWS(set.transposed_jacobian_times(x, values), KO_ERR_INVALID_ARGUMENT, "w has 25 entries; there are 26");
+    THROWS(set.transposed_jacobian_times(x, jacobian, values), KO_ERR_INVALID_ARGUMENT, "product has room for 25 entries; 19");
+    THROWS(set.hessian(x, values), KO_ERR_INVALID_ARGUMENT, "lambda has 25 entries");
+    x[3] = x[4] = x[5] = x[6] = 0.0;
+    THROWS(set.values(x), KO_ERR_INVALID_ARGUMENT, "quaternion of length 0");
+    THROWS(set.frame_variables(3), KO_ERR_INVALID_ARGUMENT, "no frame 3");
+    THROWS(keepout::Constraints::create(4), KO_ERR_INVALID_ARGUMENT, "dim is 4");
+    THROWS(keepout::Constraints(nullptr).size(), KO_ERR_INVALID_ARGUMENT, "constraints is NULL");
+    keepout::Constraints plane = keepout::Constraints::create(2);
+    THROWS(plane.add_frame(KO_ROTATION_VECTOR), KO_ERR_INVALID_ARGUMENT, "not by a rotation vector");
+    THROWS(plane.add_fixed_frame(KO_ROTATION_ANGLE, KO_SCALE_ONE, {}), KO_ERR_INVALID_ARGUMENT, "has 0 parameters");
+    THROWS(plane.add_points(0), KO_ERR_INVALID_ARGUMENT, "0 points");
+    CHECK(plane.values({}).empty());
+}
+
 static void versions_are_told() {
     CHECK(keepout::version() == ko_version() && keepout::abi_version() == KO_ABI_VERSION);
     CHECK((keepout::capabilities() & KO_CAPABILITY_3D) != 0);
@@ -409,6 +543,10 @@ int main() {
     lattices_are_evaluated();
     level_sets_are_meshes();
     clouds_are_not_trusted_alike();
+    numbers_are_aggregated();
+    bodies_are_points();
+    constraints_are_differentiated();
+    constraints_are_checked();
     versions_are_told();
     errors_are_exceptions();
     progress_is_heard();

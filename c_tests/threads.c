@@ -123,6 +123,71 @@ static void level_sets_do_not_depend_on_threads(void) {
     }
 }
 
+/* ---- constraints ---- */
+
+enum { N_BODY = 600, N_X = 8, N_VALUES = N_BODY + 2, N_ENTRIES = N_X * N_VALUES };
+
+struct evaluation {
+    double values[N_VALUES], entries[N_ENTRIES], product[N_X], hessian[N_X * (N_X + 1) / 2];
+};
+
+static ko_constraints *constraints;
+static struct evaluation evaluated;
+
+static int evaluate(struct evaluation *to) {
+    const double x[N_X] = {0.1, -0.1, 0.2, 1, 0.2, -0.3, 0.1, 1.1};
+    double w[N_VALUES];
+    for (int i = 0; i < N_VALUES; i++) {
+        w[i] = 1.0 / (1 + i);
+    }
+    int failures = ko_constraints_values(constraints, x, N_X, N_VALUES, to->values) != KO_OK;
+    failures += ko_constraints_jacobian(constraints, x, N_X, N_ENTRIES, to->entries) != KO_OK;
+    failures += ko_constraints_transposed_jacobian_times(constraints, x, N_X, w, N_VALUES, to->product) != KO_OK;
+    return failures + (ko_constraints_hessian(constraints, x, N_X, w, N_VALUES, N_X * (N_X + 1) / 2, to->hessian) != KO_OK);
+}
+
+static void *constrain(void *data) {
+    struct worker *worker = data;
+    struct evaluation *mine = malloc(sizeof *mine);
+    const double bad[N_X] = {0};
+    for (int round = 0; round < N_ROUNDS; round++) {
+        worker->failures += evaluate(mine);
+        worker->failures += memcmp(mine, &evaluated, sizeof evaluated) != 0;
+        worker->failures += ko_constraints_values(constraints, bad, N_X, N_VALUES, mine->values) != KO_ERR_INVALID_ARGUMENT;
+        worker->failures += strstr(ko_last_error(), "quaternion of length 0") == NULL;
+    }
+    free(mine);
+    return NULL;
+}
+
+static void threads_share_constraints(void) {
+    ko_field *made = check_made_field(3);
+    ko_body *body = check_body(3, N_BODY, 4);
+    ko_aggregation each = check_aggregation(KO_AGGREGATE_NONE), induced = check_aggregation(KO_AGGREGATE_INDUCED_EXPONENTIAL);
+    uint32_t frame = 0;
+    OK(ko_constraints_create(3, &constraints));
+    OK(ko_constraints_add_frame(constraints, KO_ROTATION_QUATERNION, KO_SCALE_FREE, &frame));
+    OK(ko_constraints_keep_body(constraints, body, frame, made, KO_WORLD, &each, NULL));
+    OK(ko_constraints_keep_body(constraints, body, frame, made, KO_WORLD, NULL, NULL));
+    OK(ko_constraints_keep_body(constraints, body, KO_WORLD, made, frame, &induced, NULL));
+    ko_body_free(body);
+    ko_field_free(made);
+    CHECK(evaluate(&evaluated) == 0);
+    FAILS(ko_mesh_flip(NULL), KO_ERR_INVALID_ARGUMENT, "mesh is NULL");
+    struct worker workers[N_THREADS];
+    for (int i = 0; i < N_THREADS; i++) {
+        workers[i].index = i;
+        workers[i].failures = 0;
+        CHECK(pthread_create(&workers[i].thread, NULL, constrain, &workers[i]) == 0);
+    }
+    for (int i = 0; i < N_THREADS; i++) {
+        CHECK(pthread_join(workers[i].thread, NULL) == 0);
+        CHECK(workers[i].failures == 0);
+    }
+    CHECK(strstr(ko_last_error(), "mesh is NULL") != NULL);
+    ko_constraints_free(constraints);
+}
+
 int main(void) {
     mesh = check_cube();
     field = check_sphere_field(8);
@@ -131,6 +196,7 @@ int main(void) {
     threads_do_not_change_the_bits();
     fits_do_not_depend_on_threads();
     level_sets_do_not_depend_on_threads();
+    threads_share_constraints();
     free(points);
     ko_field_free(field);
     ko_mesh_free(mesh);

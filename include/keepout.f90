@@ -6,7 +6,7 @@
 !
 ! Arrays. Points are (dim, n): column by column that is C's row-major [n x dim], so nothing is copied or transposed. Hessians are
 !   (dim (dim + 1) / 2, n). An array section that is not contiguous is copied by the compiler on its way.
-! Indices (triangles, loop_starts, origins) count from 0, as in C.
+! Indices (triangles, loop_starts, origins, frames, variables, values) count from 0, as in C.
 ! Unsigned numbers of C are integers of the same size here.
 
 module keepout_c
@@ -38,6 +38,22 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_FEASIBLE_INSIDE = 1
   integer(c_int32_t), parameter :: KO_REWEIGHT_LARGEST = 0
   integer(c_int32_t), parameter :: KO_REWEIGHT_ROBUST = 1
+  integer(c_int32_t), parameter :: KO_AGGREGATE_NONE = 0
+  integer(c_int32_t), parameter :: KO_AGGREGATE_KS = 1
+  integer(c_int32_t), parameter :: KO_AGGREGATE_INDUCED_EXPONENTIAL = 2
+  integer(c_int32_t), parameter :: KO_AGGREGATE_P_NORM = 3
+  integer(c_int32_t), parameter :: KO_AGGREGATE_MINIMUM = 4
+  integer(c_int32_t), parameter :: KO_BELOW = 0
+  integer(c_int32_t), parameter :: KO_ABOVE = 1
+  integer(c_int32_t), parameter :: KO_LEAST = 0
+  integer(c_int32_t), parameter :: KO_LARGEST = 1
+  integer(c_int32_t), parameter :: KO_ROTATION_NONE = 0
+  integer(c_int32_t), parameter :: KO_ROTATION_QUATERNION = 1
+  integer(c_int32_t), parameter :: KO_ROTATION_VECTOR = 2
+  integer(c_int32_t), parameter :: KO_ROTATION_ANGLE = 3
+  integer(c_int32_t), parameter :: KO_SCALE_ONE = 0
+  integer(c_int32_t), parameter :: KO_SCALE_FREE = 1
+  integer(c_int32_t), parameter :: KO_WORLD = 0
 
   type, bind(c) :: ko_mesh_report
     integer(c_size_t) :: struct_size
@@ -152,6 +168,14 @@ module keepout_c
     integer(c_int64_t) :: memory_limit
     type(c_funptr) :: progress
     type(c_ptr) :: progress_data
+  end type
+
+  ! Made by keepout_aggregation() with the defaults.
+  type, bind(c) :: ko_aggregation
+    integer(c_size_t) :: struct_size
+    real(c_double) :: sharpness
+    integer(c_int32_t) :: kind
+    integer(c_int32_t) :: side
   end type
 
   abstract interface
@@ -545,10 +569,282 @@ module keepout_c
       type(c_ptr), intent(out) :: mesh
       integer(c_int32_t) :: status
     end function
+
+    function ko_aggregation_init(aggregation, struct_size) bind(c) result(status)
+      import
+      type(ko_aggregation), intent(inout) :: aggregation
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_aggregate(aggregation, extreme, unit, values, n_values, value, gradient, hessian) bind(c) result(status)
+      import
+      type(ko_aggregation), intent(in) :: aggregation
+      integer(c_int32_t), value :: extreme
+      real(c_double), value :: unit
+      real(c_double), intent(in) :: values(*)
+      integer(c_size_t), value :: n_values
+      real(c_double), intent(inout) :: value
+      type(c_ptr), value :: gradient
+      type(c_ptr), value :: hessian
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_aggregation_bounds(aggregation, n_values, least, below, above) bind(c) result(status)
+      import
+      type(ko_aggregation), intent(in) :: aggregation
+      integer(c_size_t), value :: n_values
+      real(c_double), value :: least
+      real(c_double), intent(inout) :: below
+      real(c_double), intent(inout) :: above
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_body_from_points(dim, points, n_points, covering_radius, body) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      real(c_double), value :: covering_radius
+      type(c_ptr), intent(out) :: body
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_body_from_mesh(mesh, covering_radius, body) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      real(c_double), value :: covering_radius
+      type(c_ptr), intent(out) :: body
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_body_free(body) bind(c)
+      import
+      type(c_ptr), value :: body
+    end subroutine
+
+    function ko_body_get_dim(body, dim) bind(c) result(status)
+      import
+      type(c_ptr), value :: body
+      integer(c_int32_t), intent(inout) :: dim
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_body_get_size(body, n_points) bind(c) result(status)
+      import
+      type(c_ptr), value :: body
+      integer(c_size_t), intent(inout) :: n_points
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_body_get_covering_radius(body, covering_radius) bind(c) result(status)
+      import
+      type(c_ptr), value :: body
+      real(c_double), intent(inout) :: covering_radius
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_body_copy_points(body, n_points, points) bind(c) result(status)
+      import
+      type(c_ptr), value :: body
+      integer(c_size_t), value :: n_points
+      real(c_double), intent(inout) :: points(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_create(dim, constraints) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      type(c_ptr), intent(out) :: constraints
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_constraints_free(constraints) bind(c)
+      import
+      type(c_ptr), value :: constraints
+    end subroutine
+
+    function ko_constraints_add_frame(constraints, rotation, scale, frame) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_int32_t), value :: rotation
+      integer(c_int32_t), value :: scale
+      integer(c_int32_t), intent(inout) :: frame
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_add_fixed_frame(constraints, rotation, scale, parameters, n_parameters, frame) &
+      bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_int32_t), value :: rotation
+      integer(c_int32_t), value :: scale
+      real(c_double), intent(in) :: parameters(*)
+      integer(c_size_t), value :: n_parameters
+      integer(c_int32_t), intent(inout) :: frame
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_add_points(constraints, n_points, points) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_size_t), value :: n_points
+      integer(c_int32_t), intent(inout) :: points
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_keep_body(constraints, body, frame, field, field_frame, aggregation, first_value) &
+      bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      type(c_ptr), value :: body
+      integer(c_int32_t), value :: frame
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: field_frame
+      type(ko_aggregation), intent(in) :: aggregation
+      integer(c_size_t), intent(inout) :: first_value
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_keep_points(constraints, points, field, field_frame, aggregation, first_value) &
+      bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_int32_t), value :: points
+      type(c_ptr), value :: field
+      integer(c_int32_t), value :: field_frame
+      type(ko_aggregation), intent(in) :: aggregation
+      integer(c_size_t), intent(inout) :: first_value
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_get_size(constraints, n_variables, n_values, n_jacobian, n_hessian) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_size_t), intent(inout) :: n_variables
+      integer(c_size_t), intent(inout) :: n_values
+      integer(c_size_t), intent(inout) :: n_jacobian
+      integer(c_size_t), intent(inout) :: n_hessian
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_get_frame_variables(constraints, frame, first, n_variables) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_int32_t), value :: frame
+      integer(c_size_t), intent(inout) :: first
+      integer(c_size_t), intent(inout) :: n_variables
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_get_points_variables(constraints, points, first, n_variables) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_int32_t), value :: points
+      integer(c_size_t), intent(inout) :: first
+      integer(c_size_t), intent(inout) :: n_variables
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_values(constraints, x, n_variables, n_values, values) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      integer(c_size_t), value :: n_variables
+      integer(c_size_t), value :: n_values
+      real(c_double), intent(inout) :: values(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_jacobian_pattern(constraints, n_entries, rows, columns) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_size_t), value :: n_entries
+      integer(c_int32_t), intent(inout) :: rows(*)
+      integer(c_int32_t), intent(inout) :: columns(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_jacobian(constraints, x, n_variables, n_entries, values) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      integer(c_size_t), value :: n_variables
+      integer(c_size_t), value :: n_entries
+      real(c_double), intent(inout) :: values(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_values_and_jacobian(constraints, x, n_variables, n_values, values, n_entries, entries) &
+      bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      integer(c_size_t), value :: n_variables
+      integer(c_size_t), value :: n_values
+      real(c_double), intent(inout) :: values(*)
+      integer(c_size_t), value :: n_entries
+      real(c_double), intent(inout) :: entries(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_dense_jacobian(constraints, x, n_variables, n_values, jacobian) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      integer(c_size_t), value :: n_variables
+      integer(c_size_t), value :: n_values
+      real(c_double), intent(inout) :: jacobian(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_jacobian_times(constraints, x, v, n_variables, n_values, product) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      real(c_double), intent(in) :: v(*)
+      integer(c_size_t), value :: n_variables
+      integer(c_size_t), value :: n_values
+      real(c_double), intent(inout) :: product(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_transposed_jacobian_times(constraints, x, n_variables, w, n_values, product) &
+      bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      integer(c_size_t), value :: n_variables
+      real(c_double), intent(in) :: w(*)
+      integer(c_size_t), value :: n_values
+      real(c_double), intent(inout) :: product(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_hessian_pattern(constraints, n_entries, rows, columns) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_size_t), value :: n_entries
+      integer(c_int32_t), intent(inout) :: rows(*)
+      integer(c_int32_t), intent(inout) :: columns(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_hessian(constraints, x, n_variables, lambda, n_values, n_entries, entries) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      real(c_double), intent(in) :: x(*)
+      integer(c_size_t), value :: n_variables
+      real(c_double), intent(in) :: lambda(*)
+      integer(c_size_t), value :: n_values
+      integer(c_size_t), value :: n_entries
+      real(c_double), intent(inout) :: entries(*)
+      integer(c_int32_t) :: status
+    end function
   end interface
 end module
 
-! Handles. A keepout_mesh, _cloud or _field is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
+! Handles. A keepout_mesh, _cloud, _field, _body or _constraints is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
 !   freed by free() or when it goes out of scope. It has one owner: assigning one ends the program; move_alloc moves one that is
 !   allocatable.
 ! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX,
@@ -639,6 +935,54 @@ module keepout
     final :: field_final
   end type
 
+  ! Points of a design that move with it, and how densely they cover its surface.
+  type :: keepout_body
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer(c_size_t), private :: points = 0
+  contains
+    procedure :: from_points => body_from_points
+    procedure :: from_mesh => body_from_mesh
+    procedure :: free => body_free
+    procedure :: dim => body_dim
+    procedure :: n_points => body_n_points
+    procedure :: covering_radius => body_covering_radius
+    procedure :: copy_points => body_copy_points
+    procedure :: c_handle => body_c_handle
+    procedure, private :: body_assign
+    generic :: assignment(=) => body_assign
+    final :: body_final
+  end type
+
+  ! Requirements that samples of a design lie where fields are positive, over one vector of variables x (n_variables).
+  type :: keepout_constraints
+    type(c_ptr), private :: handle = c_null_ptr
+  contains
+    procedure :: create => constraints_create
+    procedure :: free => constraints_free
+    procedure :: add_frame => constraints_add_frame
+    procedure :: add_fixed_frame => constraints_add_fixed_frame
+    procedure :: add_points => constraints_add_points
+    procedure :: keep_body => constraints_keep_body
+    procedure :: keep_points => constraints_keep_points
+    procedure :: get_size => constraints_get_size
+    procedure :: frame_variables => constraints_frame_variables
+    procedure :: points_variables => constraints_points_variables
+    procedure :: values => constraints_values
+    procedure :: jacobian_pattern => constraints_jacobian_pattern
+    procedure :: jacobian => constraints_jacobian
+    procedure :: values_and_jacobian => constraints_values_and_jacobian
+    procedure :: dense_jacobian => constraints_dense_jacobian
+    procedure :: jacobian_times => constraints_jacobian_times
+    procedure :: transposed_jacobian_times => constraints_transposed_jacobian_times
+    procedure :: hessian_pattern => constraints_hessian_pattern
+    procedure :: hessian => constraints_hessian
+    procedure :: c_handle => constraints_c_handle
+    procedure, private :: constraints_assign
+    generic :: assignment(=) => constraints_assign
+    final :: constraints_final
+  end type
+
   ! Extended by who wants to be told of progress, with what he keeps meanwhile.
   type, abstract :: keepout_listener
   contains
@@ -677,6 +1021,14 @@ module keepout
   private :: cloud_from_points, cloud_free, cloud_dim, cloud_n_points, cloud_copy, cloud_copy_origins, cloud_set_weights
   private :: cloud_smooth, cloud_sides, cloud_c_handle, cloud_assign, cloud_final
   private :: field_fit, field_load, field_save, field_free, field_dim, field_report, field_eval, field_eval_parallel
+  private :: body_from_points, body_from_mesh, body_free, body_dim, body_n_points, body_covering_radius, body_copy_points
+  private :: body_c_handle, body_assign, body_final, body_adopt
+  private :: constraints_create, constraints_free, constraints_add_frame, constraints_add_fixed_frame, constraints_add_points
+  private :: constraints_keep_body, constraints_keep_points, constraints_get_size, constraints_frame_variables
+  private :: constraints_points_variables, constraints_values, constraints_jacobian_pattern, constraints_jacobian
+  private :: constraints_values_and_jacobian, constraints_dense_jacobian, constraints_jacobian_times
+  private :: constraints_transposed_jacobian_times, constraints_hessian_pattern, constraints_hessian, constraints_c_handle
+  private :: constraints_assign, constraints_final
   private :: field_outside_box, field_c_handle, field_assign, field_final, addresses, pass_on, hear_progress
 
 contains
@@ -725,6 +1077,51 @@ contains
     type(ko_level_set_options) :: options
     call settle(ko_level_set_options_init(options, c_sizeof(options)))
   end function
+
+  ! How values of samples become one, with the defaults: KS.
+  function keepout_aggregation() result(aggregation)
+    type(ko_aggregation) :: aggregation
+    call settle(ko_aggregation_init(aggregation, c_sizeof(aggregation)))
+  end function
+
+  ! The aggregate of values (n), with D the `unit`, and its derivatives: gradient (n), and hessian (n (n + 1) / 2), rows of the lower
+  ! triangle. `extreme` is KO_LEAST or KO_LARGEST.
+  subroutine keepout_aggregate(aggregation, extreme, unit, values, value, gradient, hessian, stat, errmsg)
+    type(ko_aggregation), intent(in) :: aggregation
+    integer(c_int32_t), intent(in) :: extreme
+    real(c_double), intent(in) :: unit
+    real(c_double), intent(in), contiguous :: values(:)
+    real(c_double), intent(inout) :: value
+    real(c_double), intent(inout), contiguous, target, optional :: gradient(:)
+    real(c_double), intent(inout), contiguous, target, optional :: hessian(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: to(2)
+    integer :: n
+    to = c_null_ptr
+    n = size(values)
+    if (present(gradient)) then
+      if (.not. right_size("gradient", "entries", size(gradient), n, stat, errmsg)) return
+      if (n > 0) to(1) = c_loc(gradient)
+    end if
+    if (present(hessian)) then
+      if (.not. right_size("hessian", "entries", size(hessian), n * (n + 1) / 2, stat, errmsg)) return
+      if (n > 0) to(2) = c_loc(hessian)
+    end if
+    call settle(ko_aggregate(aggregation, extreme, unit, values, size(values, 1, c_size_t), value, to(1), to(2)), stat, errmsg)
+  end subroutine
+
+  ! How far `below` and `above` the least of `n_values` values an aggregate may lie, in units of D; `least` is the least value in units
+  ! of D, and counts for KO_AGGREGATE_P_NORM alone.
+  subroutine keepout_aggregation_bounds(aggregation, n_values, least, below, above, stat, errmsg)
+    type(ko_aggregation), intent(in) :: aggregation
+    integer, intent(in) :: n_values
+    real(c_double), intent(in) :: least
+    real(c_double), intent(inout) :: below, above
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_aggregation_bounds(aggregation, int(max(n_values, 0), c_size_t), least, below, above), stat, errmsg)
+  end subroutine
 
   ! ---- Meshes
 
@@ -1328,6 +1725,333 @@ contains
     handle = self%handle
   end function
 
+  ! ---- Bodies
+
+  ! From points (dim, n), dim 2 or 3, of which one is within `covering_radius` of each point of the surface; 0: not known.
+  subroutine body_from_points(self, points, covering_radius, stat, errmsg)
+    class(keepout_body), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(in) :: covering_radius
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_body_from_points(size(points, 1, c_int32_t), points, size(points, 2, c_size_t), covering_radius, handle)
+    if (status >= KO_OK) call body_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Points on `mesh`, so many that one is within `covering_radius` of each point of its surface or curves.
+  subroutine body_from_mesh(self, mesh, covering_radius, stat, errmsg)
+    class(keepout_body), intent(inout) :: self
+    type(keepout_mesh), intent(in) :: mesh
+    real(c_double), intent(in) :: covering_radius
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_body_from_mesh(mesh%handle, covering_radius, handle)
+    if (status >= KO_OK) call body_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine body_free(self)
+    class(keepout_body), intent(inout) :: self
+    call ko_body_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%points = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function body_dim(self)
+    class(keepout_body), intent(in) :: self
+    body_dim = self%width
+  end function
+
+  pure integer(c_size_t) function body_n_points(self)
+    class(keepout_body), intent(in) :: self
+    body_n_points = self%points
+  end function
+
+  ! Tells the covering radius; 0: not known.
+  subroutine body_covering_radius(self, covering_radius, stat, errmsg)
+    class(keepout_body), intent(in) :: self
+    real(c_double), intent(inout) :: covering_radius
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_body_get_covering_radius(self%handle, covering_radius), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills points (dim, n).
+  subroutine body_copy_points(self, points, stat, errmsg)
+    class(keepout_body), intent(in) :: self
+    real(c_double), allocatable, intent(out) :: points(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    allocate (points(self%width, self%points))
+    call settle(ko_body_copy_points(self%handle, self%points, points), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the body's.
+  pure function body_c_handle(self) result(handle)
+    class(keepout_body), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! ---- Constraints
+
+  ! Without variables and values; `dim` 2 or 3.
+  subroutine constraints_create(self, dim, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    integer, intent(in) :: dim
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_constraints_create(int(dim, c_int32_t), handle)
+    if (status >= KO_OK) then
+      call self%free()
+      self%handle = handle
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine constraints_free(self)
+    class(keepout_constraints), intent(inout) :: self
+    call ko_constraints_free(self%handle)
+    self%handle = c_null_ptr
+  end subroutine
+
+  ! Adds a frame whose parameters are variables; `frame` is its number. `rotation` is a KO_ROTATION_, `scale` a KO_SCALE_ constant.
+  subroutine constraints_add_frame(self, rotation, scale, frame, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    integer(c_int32_t), intent(in) :: rotation, scale
+    integer(c_int32_t), intent(inout) :: frame
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_add_frame(self%handle, rotation, scale, frame), stat, errmsg)
+  end subroutine
+
+  ! Adds a frame that stands still at `parameters`; `frame` is its number.
+  subroutine constraints_add_fixed_frame(self, rotation, scale, parameters, frame, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    integer(c_int32_t), intent(in) :: rotation, scale
+    real(c_double), intent(in), contiguous :: parameters(:)
+    integer(c_int32_t), intent(inout) :: frame
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_add_fixed_frame(self%handle, rotation, scale, parameters, size(parameters, 1, c_size_t), frame), &
+      stat, errmsg)
+  end subroutine
+
+  ! Adds points whose coordinates are variables; `points` is their number.
+  subroutine constraints_add_points(self, n_points, points, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    integer, intent(in) :: n_points
+    integer(c_int32_t), intent(inout) :: points
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_add_points(self%handle, int(max(n_points, 0), c_size_t), points), stat, errmsg)
+  end subroutine
+
+  ! Keeps `body` in `frame` where phi of `field` in `field_frame` is positive; `first_value` is the number of its first value. Without
+  ! an aggregation: KS. Body and field may go.
+  subroutine constraints_keep_body(self, body, frame, field, field_frame, aggregation, first_value, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    type(keepout_body), intent(in) :: body
+    integer(c_int32_t), intent(in) :: frame
+    type(keepout_field), intent(in) :: field
+    integer(c_int32_t), intent(in) :: field_frame
+    type(ko_aggregation), intent(in), optional :: aggregation
+    integer(c_size_t), intent(inout), optional :: first_value
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_aggregation) :: plain
+    integer(c_size_t) :: first
+    integer(c_int32_t) :: status
+    plain = keepout_aggregation()
+    if (present(aggregation)) plain = aggregation
+    status = ko_constraints_keep_body(self%handle, body%handle, frame, field%handle, field_frame, plain, first)
+    if (status >= KO_OK .and. present(first_value)) first_value = first
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The same of points that are variables, by their number.
+  subroutine constraints_keep_points(self, points, field, field_frame, aggregation, first_value, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    integer(c_int32_t), intent(in) :: points
+    type(keepout_field), intent(in) :: field
+    integer(c_int32_t), intent(in) :: field_frame
+    type(ko_aggregation), intent(in), optional :: aggregation
+    integer(c_size_t), intent(inout), optional :: first_value
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_aggregation) :: plain
+    integer(c_size_t) :: first
+    integer(c_int32_t) :: status
+    plain = keepout_aggregation()
+    if (present(aggregation)) plain = aggregation
+    status = ko_constraints_keep_points(self%handle, points, field%handle, field_frame, plain, first)
+    if (status >= KO_OK .and. present(first_value)) first_value = first
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! How many variables and values there are, and entries of the Jacobian's pattern and of the Hessian's; 0 after an error.
+  subroutine constraints_get_size(self, n_variables, n_values, n_jacobian, n_hessian, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    integer(c_size_t), intent(out), optional :: n_variables, n_values, n_jacobian, n_hessian
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer(c_size_t) :: n(4)
+    integer(c_int32_t) :: status
+    n = 0
+    status = ko_constraints_get_size(self%handle, n(1), n(2), n(3), n(4))
+    if (present(n_variables)) n_variables = n(1)
+    if (present(n_values)) n_values = n(2)
+    if (present(n_jacobian)) n_jacobian = n(3)
+    if (present(n_hessian)) n_hessian = n(4)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The first variable of a frame, and how many it has, 0 of one that stands still.
+  subroutine constraints_frame_variables(self, frame, first, n_variables, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    integer(c_int32_t), intent(in) :: frame
+    integer(c_size_t), intent(inout) :: first, n_variables
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_get_frame_variables(self%handle, frame, first, n_variables), stat, errmsg)
+  end subroutine
+
+  ! The first variable of points, and how many they have.
+  subroutine constraints_points_variables(self, points, first, n_variables, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    integer(c_int32_t), intent(in) :: points
+    integer(c_size_t), intent(inout) :: first, n_variables
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_get_points_variables(self%handle, points, first, n_variables), stat, errmsg)
+  end subroutine
+
+  ! Values (n_values) at x (n_variables), each to be kept at or above 0. No allocation, no lock, here and below, where arrays are
+  ! contiguous.
+  subroutine constraints_values(self, x, values, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:)
+    real(c_double), intent(inout), contiguous :: values(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_values(self%handle, x, size(x, 1, c_size_t), size(values, 1, c_size_t), values), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills rows (n_jacobian), values, and columns (n_jacobian), variables, of the Jacobian's entries.
+  subroutine constraints_jacobian_pattern(self, rows, columns, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    integer(c_int32_t), allocatable, intent(out) :: rows(:), columns(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer(c_size_t) :: n, others(3)
+    integer(c_int32_t) :: status
+    n = 0
+    status = ko_constraints_get_size(self%handle, others(1), others(2), n, others(3))
+    allocate (rows(n), columns(n))
+    if (status >= KO_OK) status = ko_constraints_jacobian_pattern(self%handle, n, rows, columns)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Entries (n_jacobian) of the Jacobian at x (n_variables), in the order of jacobian_pattern.
+  subroutine constraints_jacobian(self, x, entries, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:)
+    real(c_double), intent(inout), contiguous :: entries(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_jacobian(self%handle, x, size(x, 1, c_size_t), size(entries, 1, c_size_t), entries), stat, errmsg)
+  end subroutine
+
+  ! Both at once.
+  subroutine constraints_values_and_jacobian(self, x, values, entries, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:)
+    real(c_double), intent(inout), contiguous :: values(:)
+    real(c_double), intent(inout), contiguous :: entries(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_values_and_jacobian(self%handle, x, size(x, 1, c_size_t), size(values, 1, c_size_t), values, &
+      size(entries, 1, c_size_t), entries), stat, errmsg)
+  end subroutine
+
+  ! The Jacobian at x (n_variables) as a whole, a column a value: jacobian (n_variables, n_values).
+  subroutine constraints_dense_jacobian(self, x, jacobian, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:)
+    real(c_double), intent(inout), contiguous :: jacobian(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("jacobian", "rows", size(jacobian, 1), size(x), stat, errmsg)) return
+    call settle(ko_constraints_dense_jacobian(self%handle, x, size(x, 1, c_size_t), size(jacobian, 2, c_size_t), jacobian), &
+      stat, errmsg)
+  end subroutine
+
+  ! J v, product (n_values), at x (n_variables) for v (n_variables).
+  subroutine constraints_jacobian_times(self, x, v, product, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:), v(:)
+    real(c_double), intent(inout), contiguous :: product(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("v", "entries", size(v), size(x), stat, errmsg)) return
+    call settle(ko_constraints_jacobian_times(self%handle, x, v, size(x, 1, c_size_t), size(product, 1, c_size_t), product), &
+      stat, errmsg)
+  end subroutine
+
+  ! J^T w, product (n_variables), at x (n_variables) for w (n_values).
+  subroutine constraints_transposed_jacobian_times(self, x, w, product, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:), w(:)
+    real(c_double), intent(inout), contiguous :: product(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("product", "entries", size(product), size(x), stat, errmsg)) return
+    call settle(ko_constraints_transposed_jacobian_times(self%handle, x, size(x, 1, c_size_t), w, size(w, 1, c_size_t), product), &
+      stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills rows (n_hessian) and columns (n_hessian), both variables, of the entries of the Hessian's lower triangle.
+  subroutine constraints_hessian_pattern(self, rows, columns, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    integer(c_int32_t), allocatable, intent(out) :: rows(:), columns(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer(c_size_t) :: n, others(3)
+    integer(c_int32_t) :: status
+    n = 0
+    status = ko_constraints_get_size(self%handle, others(1), others(2), others(3), n)
+    allocate (rows(n), columns(n))
+    if (status >= KO_OK) status = ko_constraints_hessian_pattern(self%handle, n, rows, columns)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Entries (n_hessian) of the Hessian of the sum of lambda (n_values) times the values, in the order of hessian_pattern.
+  subroutine constraints_hessian(self, x, lambda, entries, stat, errmsg)
+    class(keepout_constraints), intent(in) :: self
+    real(c_double), intent(in), contiguous :: x(:), lambda(:)
+    real(c_double), intent(inout), contiguous :: entries(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_constraints_hessian(self%handle, x, size(x, 1, c_size_t), lambda, size(lambda, 1, c_size_t), &
+      size(entries, 1, c_size_t), entries), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the constraints'.
+  pure function constraints_c_handle(self) result(handle)
+    class(keepout_constraints), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
   ! ---- Ownership
 
   subroutine mesh_adopt(self, handle)
@@ -1362,6 +2086,17 @@ contains
     self%width = int(report%dim)
   end subroutine
 
+  subroutine body_adopt(self, handle)
+    class(keepout_body), intent(inout) :: self
+    type(c_ptr), intent(in) :: handle
+    integer(c_int32_t) :: dim
+    call self%free()
+    self%handle = handle
+    call settle(ko_body_get_dim(handle, dim))
+    self%width = int(dim)
+    call settle(ko_body_get_size(handle, self%points))
+  end subroutine
+
   impure elemental subroutine mesh_final(self)
     type(keepout_mesh), intent(inout) :: self
     call self%free()
@@ -1374,6 +2109,16 @@ contains
 
   impure elemental subroutine field_final(self)
     type(keepout_field), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  impure elemental subroutine body_final(self)
+    type(keepout_body), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  impure elemental subroutine constraints_final(self)
+    type(keepout_constraints), intent(inout) :: self
     call self%free()
   end subroutine
 
@@ -1394,6 +2139,18 @@ contains
     class(keepout_field), intent(inout) :: left
     class(keepout_field), intent(in) :: right
     if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_field cannot be assigned"
+  end subroutine
+
+  subroutine body_assign(left, right)
+    class(keepout_body), intent(inout) :: left
+    class(keepout_body), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_body cannot be assigned"
+  end subroutine
+
+  subroutine constraints_assign(left, right)
+    class(keepout_constraints), intent(inout) :: left
+    class(keepout_constraints), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: keepout_constraints cannot be assigned"
   end subroutine
 
   ! ---- Strings and errors

@@ -126,6 +126,14 @@ inline std::uint32_t dim_of(const ko_cloud *cloud) noexcept {
     return dim;
 }
 
+inline std::uint32_t dim_of(const ko_body *body) noexcept {
+    std::uint32_t dim = dim_of_none;
+    if (body != nullptr) {
+        ko_body_get_dim(body, &dim);
+    }
+    return dim;
+}
+
 inline std::uint32_t dim_of(const ko_field *field) noexcept {
     ko_fit_report report;
     return field == nullptr || ko_field_get_report(field, sizeof report, &report) < 0 ? dim_of_none : report.dim;
@@ -181,6 +189,11 @@ struct LevelSetOptions : ko_level_set_options {
     }
 
     OnProgress on_progress;
+};
+
+/// ko_aggregation with the defaults: KS.
+struct Aggregation : ko_aggregation {
+    Aggregation() : ko_aggregation() { detail::check(ko_aggregation_init(this, sizeof(ko_aggregation))); }
 };
 
 namespace detail {
@@ -627,6 +640,282 @@ private:
 
     detail::Handle<ko_field, ko_field_free> handle_;
     std::uint32_t dim_;
+};
+
+/// The aggregate of values [n], with D the `unit`, and, where they are not empty, `gradient` [n] and `hessian` [n * (n + 1) / 2], rows of
+/// the lower triangle. `extreme` is KO_LEAST or KO_LARGEST.
+inline double aggregate(const Aggregation &aggregation, std::int32_t extreme, double unit, Span<const double> values,
+                        Span<double> gradient = {}, Span<double> hessian = {}) {
+    const std::size_t n = values.size();
+    if (!gradient.empty()) {
+        detail::check_size("gradient", gradient.size(), n);
+    }
+    if (!hessian.empty()) {
+        detail::check_size("hessian", hessian.size(), n * (n + 1) / 2);
+    }
+    double value = 0.0;
+    detail::check(ko_aggregate(&aggregation, extreme, unit, values.data(), n, &value, gradient.data(), hessian.data()));
+    return value;
+}
+
+/// How far an aggregate of KO_LEAST may lie from the least value, in units of D.
+struct Bounds {
+    double below;
+    double above;
+};
+
+/// Those of an aggregate of `n_values` values; `least`, the least of them in units of D, counts for KO_AGGREGATE_P_NORM alone.
+inline Bounds aggregation_bounds(const Aggregation &aggregation, std::size_t n_values, double least = 0.0) {
+    Bounds bounds{};
+    detail::check(ko_aggregation_bounds(&aggregation, n_values, least, &bounds.below, &bounds.above));
+    return bounds;
+}
+
+/// Points of a design that move with it, and how densely they cover its surface.
+class Body {
+public:
+    /// Takes ownership of `handle`.
+    explicit Body(ko_body *handle) noexcept : handle_(handle), dim_(detail::dim_of(handle)) {}
+
+    /// From points [dim * n], of which one is within `covering_radius` of each point of the surface; 0: not known.
+    static Body from_points(Span<const double> points, double covering_radius = 0.0, std::uint32_t dim = 3) {
+        const std::size_t n = detail::count("points", points.size(), dim == 2 ? 2 : 3);
+        ko_body *handle = nullptr;
+        detail::check(ko_body_from_points(dim, points.data(), n, covering_radius, &handle));
+        return Body(handle);
+    }
+
+    /// Points on `mesh`, so many that one is within `covering_radius` of each point of its surface or curves.
+    static Body from_mesh(const Mesh &mesh, double covering_radius) {
+        ko_body *handle = nullptr;
+        detail::check(ko_body_from_mesh(mesh.get(), covering_radius, &handle));
+        return Body(handle);
+    }
+
+    /// 3 in space, 2 in the plane.
+    std::uint32_t dim() const noexcept { return dim_; }
+
+    std::size_t size() const {
+        std::size_t n = 0;
+        detail::check(ko_body_get_size(get(), &n));
+        return n;
+    }
+
+    /// 0: not known.
+    double covering_radius() const {
+        double radius = 0.0;
+        detail::check(ko_body_get_covering_radius(get(), &radius));
+        return radius;
+    }
+
+    /// [dim() * size()]
+    std::vector<double> points() const {
+        const std::size_t n = size();
+        std::vector<double> points(dim_ * n);
+        detail::check(ko_body_copy_points(get(), n, points.data()));
+        return points;
+    }
+
+    const ko_body *get() const noexcept { return handle_.get(); }
+    ko_body *get() noexcept { return handle_.get(); }
+
+private:
+    detail::Handle<ko_body, ko_body_free> handle_;
+    std::uint32_t dim_;
+};
+
+/// Requirements that samples of a design lie where fields are positive, over one vector of variables x.
+///
+/// What takes a Span to write to allocates nothing and locks nothing; any number of threads may evaluate at once.
+class Constraints {
+public:
+    /// Takes ownership of `handle`.
+    explicit Constraints(ko_constraints *handle) noexcept : handle_(handle) {}
+
+    /// Without variables and values; `dim` 2 or 3.
+    static Constraints create(std::uint32_t dim = 3) {
+        ko_constraints *handle = nullptr;
+        detail::check(ko_constraints_create(dim, &handle));
+        return Constraints(handle);
+    }
+
+    /// A frame whose parameters are variables: its number. `rotation` is a KO_ROTATION_, `scale` a KO_SCALE_ constant.
+    std::uint32_t add_frame(std::int32_t rotation, std::int32_t scale = KO_SCALE_ONE) {
+        std::uint32_t frame = 0;
+        detail::check(ko_constraints_add_frame(get(), rotation, scale, &frame));
+        return frame;
+    }
+
+    /// A frame that stands still at `parameters`: its number.
+    std::uint32_t add_fixed_frame(std::int32_t rotation, std::int32_t scale, Span<const double> parameters) {
+        std::uint32_t frame = 0;
+        detail::check(
+            ko_constraints_add_fixed_frame(get(), rotation, scale, parameters.data(), parameters.size(), &frame));
+        return frame;
+    }
+
+    /// Points whose coordinates are variables: their number.
+    std::uint32_t add_points(std::size_t n_points) {
+        std::uint32_t points = 0;
+        detail::check(ko_constraints_add_points(get(), n_points, &points));
+        return points;
+    }
+
+    /// Keeps `body` in `frame` where phi of `field` in `field_frame` is positive: the number of the first value. Body and field may go.
+    std::size_t keep_body(const Body &body, std::uint32_t frame, const Field &field, std::uint32_t field_frame = KO_WORLD,
+                          const Aggregation &aggregation = {}) {
+        std::size_t first = 0;
+        detail::check(
+            ko_constraints_keep_body(get(), body.get(), frame, field.get(), field_frame, &aggregation, &first));
+        return first;
+    }
+
+    /// The same of points that are variables, by their number.
+    std::size_t keep_points(std::uint32_t points, const Field &field, std::uint32_t field_frame = KO_WORLD,
+                            const Aggregation &aggregation = {}) {
+        std::size_t first = 0;
+        detail::check(ko_constraints_keep_points(get(), points, field.get(), field_frame, &aggregation, &first));
+        return first;
+    }
+
+    struct Size {
+        std::size_t n_variables;
+        std::size_t n_values;
+        std::size_t n_jacobian; ///< entries of the Jacobian's pattern
+        std::size_t n_hessian;  ///< entries of the Hessian's
+    };
+
+    Size size() const {
+        Size size{};
+        detail::check(ko_constraints_get_size(get(), &size.n_variables, &size.n_values, &size.n_jacobian, &size.n_hessian));
+        return size;
+    }
+
+    /// Variables first, first + 1, ...
+    struct Variables {
+        std::size_t first;
+        std::size_t n;
+    };
+
+    /// Those of a frame, none of one that stands still.
+    Variables frame_variables(std::uint32_t frame) const {
+        Variables variables{};
+        detail::check(ko_constraints_get_frame_variables(get(), frame, &variables.first, &variables.n));
+        return variables;
+    }
+
+    Variables points_variables(std::uint32_t points) const {
+        Variables variables{};
+        detail::check(ko_constraints_get_points_variables(get(), points, &variables.first, &variables.n));
+        return variables;
+    }
+
+    /// Where entries stand, counted from 0.
+    struct Pattern {
+        std::vector<std::int32_t> rows;
+        std::vector<std::int32_t> columns;
+    };
+
+    /// [n_jacobian], rows being values, columns variables.
+    Pattern jacobian_pattern() const {
+        const std::size_t n = size().n_jacobian;
+        Pattern pattern{std::vector<std::int32_t>(n), std::vector<std::int32_t>(n)};
+        detail::check(ko_constraints_jacobian_pattern(get(), n, pattern.rows.data(), pattern.columns.data()));
+        return pattern;
+    }
+
+    /// [n_hessian], both variables, columns no larger than rows.
+    Pattern hessian_pattern() const {
+        const std::size_t n = size().n_hessian;
+        Pattern pattern{std::vector<std::int32_t>(n), std::vector<std::int32_t>(n)};
+        detail::check(ko_constraints_hessian_pattern(get(), n, pattern.rows.data(), pattern.columns.data()));
+        return pattern;
+    }
+
+    /// Values [n_values] at x [n_variables], each to be kept at or above 0.
+    void values(Span<const double> x, Span<double> values) const {
+        detail::check(ko_constraints_values(get(), x.data(), x.size(), values.size(), values.data()));
+    }
+
+    std::vector<double> values(Span<const double> x) const {
+        std::vector<double> found(size().n_values);
+        values(x, found);
+        return found;
+    }
+
+    /// Entries [n_jacobian] of the Jacobian at x [n_variables], in the order of jacobian_pattern().
+    void jacobian(Span<const double> x, Span<double> entries) const {
+        detail::check(ko_constraints_jacobian(get(), x.data(), x.size(), entries.size(), entries.data()));
+    }
+
+    std::vector<double> jacobian(Span<const double> x) const {
+        std::vector<double> entries(size().n_jacobian);
+        jacobian(x, entries);
+        return entries;
+    }
+
+    /// Both at once.
+    void values_and_jacobian(Span<const double> x, Span<double> values, Span<double> entries) const {
+        detail::check(ko_constraints_values_and_jacobian(get(), x.data(), x.size(), values.size(), values.data(),
+                                                         entries.size(), entries.data()));
+    }
+
+    /// The Jacobian at x [n_variables] as a whole, jacobian [n_values * n_variables], row-major.
+    void dense_jacobian(Span<const double> x, Span<double> jacobian) const {
+        const std::size_t n = size().n_values;
+        detail::check_size("jacobian", jacobian.size(), n * x.size());
+        detail::check(ko_constraints_dense_jacobian(get(), x.data(), x.size(), n, jacobian.data()));
+    }
+
+    std::vector<double> dense_jacobian(Span<const double> x) const {
+        std::vector<double> jacobian(size().n_values * x.size());
+        dense_jacobian(x, jacobian);
+        return jacobian;
+    }
+
+    /// J v, product [n_values], at x [n_variables] for v [n_variables].
+    void jacobian_times(Span<const double> x, Span<const double> v, Span<double> product) const {
+        detail::check_size("v", v.size(), x.size());
+        detail::check(
+            ko_constraints_jacobian_times(get(), x.data(), v.data(), x.size(), product.size(), product.data()));
+    }
+
+    std::vector<double> jacobian_times(Span<const double> x, Span<const double> v) const {
+        std::vector<double> product(size().n_values);
+        jacobian_times(x, v, product);
+        return product;
+    }
+
+    /// J^T w, product [n_variables], at x [n_variables] for w [n_values].
+    void transposed_jacobian_times(Span<const double> x, Span<const double> w, Span<double> product) const {
+        detail::check_size("product", product.size(), x.size());
+        detail::check(ko_constraints_transposed_jacobian_times(get(), x.data(), x.size(), w.data(), w.size(),
+                                                               product.data()));
+    }
+
+    std::vector<double> transposed_jacobian_times(Span<const double> x, Span<const double> w) const {
+        std::vector<double> product(x.size());
+        transposed_jacobian_times(x, w, product);
+        return product;
+    }
+
+    /// Entries [n_hessian] of the Hessian of the sum of lambda [n_values] times the values, in the order of hessian_pattern().
+    void hessian(Span<const double> x, Span<const double> lambda, Span<double> entries) const {
+        detail::check(ko_constraints_hessian(get(), x.data(), x.size(), lambda.data(), lambda.size(), entries.size(),
+                                             entries.data()));
+    }
+
+    std::vector<double> hessian(Span<const double> x, Span<const double> lambda) const {
+        std::vector<double> entries(size().n_hessian);
+        hessian(x, lambda, entries);
+        return entries;
+    }
+
+    const ko_constraints *get() const noexcept { return handle_.get(); }
+    ko_constraints *get() noexcept { return handle_.get(); }
+
+private:
+    detail::Handle<ko_constraints, ko_constraints_free> handle_;
 };
 
 } // namespace keepout

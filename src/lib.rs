@@ -11,6 +11,7 @@
 //! | [`spline`] | a box and a resolution | uniform cubic B-splines, exact Gram matrices, operators on control points, evaluation |
 //! | [`linalg`] | operators | solutions by conjugate gradients, preconditioned by multigrid |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
+//! | [`constraint`] | bodies, poses, fields | constraints with Jacobians and Hessians, aggregates |
 //! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all share: plane or space, errors, instructions, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
 //!
@@ -19,6 +20,7 @@
 //! Unsafe code is in `ffi` for the pointers of C, in [`isa`] for instructions, in `pages` for a hint to the system, in [`spline::rows`] for
 //! rows that were checked before, and nowhere else.
 
+pub mod constraint;
 pub mod dimension;
 pub mod error;
 pub mod ffi;

@@ -96,6 +96,16 @@ fn refined() {
 }
 
 #[test]
+fn constraints() {
+    run("constraints", &[]);
+}
+
+#[test]
+fn constraints_errors() {
+    run("constraints_errors", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }

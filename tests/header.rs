@@ -19,6 +19,9 @@ fn generated() -> Vec<u8> {
         "field",
         "level_set",
         "report",
+        "aggregation",
+        "body",
+        "constraints",
     ];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))

@@ -16,5 +16,5 @@ int main(int argc, char **argv) {
                          {"speed", speed},
                          {"signs", signs},
                          {"growth", growth}},
-                        {"fit-only", fit_only});
+                        {{"fit-only", fit_only}});
 }

@@ -5,5 +5,5 @@
 int main(int argc, char **argv) {
     using namespace bench;
     return run_subjects("scale", argc, argv, {{"speed", speed}, {"peers", peers}, {"fits", fits}, {"accuracy", accuracy}, {"sides", sides}},
-                        {"million-only", million_only});
+                        {{"million-only", million_only}});
 }

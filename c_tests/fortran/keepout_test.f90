@@ -49,6 +49,10 @@ program keepout_test
   call lattices_are_evaluated()
   call level_sets_are_meshes()
   call clouds_are_not_trusted_alike()
+  call numbers_are_aggregated()
+  call bodies_are_points()
+  call constraints_are_differentiated()
+  call constraints_are_checked()
   call progress_is_heard()
   call errors_are_told()
   call handles_have_one_owner()
@@ -465,6 +469,208 @@ contains
     call field%fit(cloud, small_fit(8))
     call field%report(report)
     call holds(report%n_points == 395, "points of weight 0 take no part")
+  end subroutine
+
+  subroutine numbers_are_aggregated()
+    type(ko_aggregation) :: aggregation
+    real(c_double), parameter :: numbers(3) = [0.5_c_double, 0.1_c_double, 0.3_c_double]
+    real(c_double) :: value, gradient(3), hessian(6), below, above
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    aggregation = keepout_aggregation()
+    call holds(aggregation%kind == KO_AGGREGATE_KS .and. aggregation%side == KO_BELOW, "keepout_aggregation")
+    aggregation%sharpness = 20
+    call keepout_aggregate(aggregation, KO_LEAST, 1.0_c_double, numbers, value, gradient, hessian)
+    call keepout_aggregation_bounds(aggregation, 3, 0.0_c_double, below, above)
+    call near(below, log(3.0_c_double) / 20, 1e-15_c_double, "keepout_aggregation_bounds")
+    call holds(value <= 0.1_c_double .and. value >= 0.1_c_double - below .and. abs(above) <= 0, "keepout_aggregate")
+    call near(sum(gradient), 1.0_c_double, 1e-14_c_double, "gradient of an aggregate")
+    call near(hessian(2) + hessian(3) + hessian(5), 0.0_c_double, 1e-13_c_double, "hessian of an aggregate")
+    aggregation%kind = KO_AGGREGATE_MINIMUM
+    call keepout_aggregate(aggregation, KO_LARGEST, 1.0_c_double, numbers, value)
+    call near(value, numbers(1), 0.0_c_double, "the largest value")
+    call keepout_aggregate(aggregation, KO_LEAST, 1.0_c_double, numbers, value, hessian=hessian, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_UNSUPPORTED, "not smooth")
+    call keepout_aggregate(aggregation, KO_LEAST, 1.0_c_double, numbers(:0), value, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "no values")
+    call keepout_aggregate(aggregation, KO_LEAST, 1.0_c_double, numbers, value, gradient(:2), stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "gradient has 2 entries; 3 are needed")
+    call keepout_aggregate(aggregation, KO_LEAST, 1.0_c_double, numbers, value, hessian=gradient, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "hessian has 3 entries; 6 are needed")
+    call keepout_aggregation_bounds(aggregation, -1, 0.0_c_double, below, above, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "n_values is 0")
+  end subroutine
+
+  subroutine bodies_are_points()
+    type(keepout_mesh) :: mesh
+    type(keepout_body) :: body
+    real(c_double), allocatable :: points(:, :)
+    real(c_double) :: radius
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    call body%from_points(frame_points, 0.5_c_double)
+    call body%covering_radius(radius)
+    call body%copy_points(points)
+    call holds(body%dim() == 2 .and. body%n_points() == 8 .and. abs(radius - 0.5) <= 0, "body%from_points")
+    call holds(all(abs(points - frame_points) <= 0), "body%copy_points")
+    call cube(mesh)
+    call body%from_mesh(mesh, 10.0_c_double)
+    call mesh%free()
+    call holds(body%dim() == 3 .and. body%n_points() == 8, "body%from_mesh")
+    call body%from_mesh(mesh, 1.0_c_double, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "mesh is NULL")
+    call body%from_points(cube_vertices, -1.0_c_double, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "covering_radius is -1")
+    call holds(body%n_points() == 8, "a body that fails leaves what was there")
+    call body%free()
+    call holds(body%dim() == 0 .and. .not. c_associated(body%c_handle()), "body%free")
+    call body%copy_points(points, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "body is NULL")
+    call body%covering_radius(radius, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "body is NULL")
+  end subroutine
+
+  ! The corners of a cube in a frame, and four points, in a field that is gone when they are evaluated.
+  subroutine make_constraints(set)
+    type(keepout_constraints), intent(inout) :: set
+    type(keepout_field) :: field
+    type(keepout_body) :: body
+    type(ko_aggregation) :: each
+    real(c_double) :: control_points(512)
+    integer(c_int32_t) :: frame, still, path
+    integer(c_size_t) :: first
+    integer :: i, j, k
+    ! About a ball of radius 0.6, and not quite round.
+    control_points = [(((norm2(real([i, j, k], c_double) - 3.5_c_double) / 2.5_c_double - 0.6_c_double &
+      + 0.05_c_double * sin(real(64 * i + 8 * j + k, c_double)), k=0, 7), j=0, 7), i=0, 7)]
+    call field%from_control_points([8, 8, 8], spread(-1.0_c_double, 1, 3), spread(1.0_c_double, 1, 3), KO_FEASIBLE_OUTSIDE, &
+      2.5_c_double, control_points)
+    call body%from_points(0.3_c_double * cube_vertices, 0.0_c_double)
+    call set%create(3)
+    call set%add_frame(KO_ROTATION_QUATERNION, KO_SCALE_ONE, frame)
+    call set%add_points(4, path)
+    call set%add_fixed_frame(KO_ROTATION_NONE, KO_SCALE_FREE, [0.1_c_double, 0.2_c_double, 0.3_c_double, 1.5_c_double], still)
+    call holds(frame == 1 .and. still == 2 .and. path == 0, "numbers of frames and points")
+    each = keepout_aggregation()
+    each%kind = KO_AGGREGATE_NONE
+    call set%keep_body(body, frame, field, KO_WORLD, first_value=first)
+    call equal(first, 0_c_size_t, "constraints%keep_body")
+    call set%keep_points(path, field, still, each, first)
+    call equal(first, 1_c_size_t, "constraints%keep_points")
+    call set%keep_body(body, KO_WORLD, field, frame, each, first)
+    call equal(first, 5_c_size_t, "a field that moves")
+    call set%keep_points(path, field, KO_WORLD)
+  end subroutine
+
+  subroutine constraints_are_differentiated()
+    integer, parameter :: n = 19, m = 14
+    real(c_double), parameter :: step = 1e-6_c_double
+    type(keepout_constraints) :: set
+    integer(c_int32_t), allocatable :: rows(:), columns(:)
+    real(c_double), allocatable :: entries(:), again(:)
+    real(c_double) :: x(n), v(n), w(m), values(m), others(m), dense(n, m), scattered(n, m), jv(m), jtw(n), low(n), high(n), hv(n)
+    integer(c_size_t) :: n_variables, n_values, n_jacobian, n_hessian, first
+    integer :: i
+    call make_constraints(set)
+    call set%get_size(n_variables, n_values, n_jacobian, n_hessian)
+    call holds(n_variables == n .and. n_values == m .and. n_jacobian == 7 + 12 + 8 * 7 + 12, "constraints%get_size")
+    call set%frame_variables(1, first, n_variables)
+    call holds(first == 0 .and. n_variables == 7, "constraints%frame_variables")
+    call set%points_variables(0, first, n_variables)
+    call holds(first == 7 .and. n_variables == 12, "constraints%points_variables")
+    x = [(cos(3.0_c_double * i) / 2, i=1, n)]
+    v = [(sin(5.0_c_double * i), i=1, n)]
+    w = [(sin(7.0_c_double * i), i=1, m)]
+    allocate (entries(n_jacobian), again(n_jacobian))
+    call set%values(x, values)
+    call set%jacobian_pattern(rows, columns)
+    call set%jacobian(x, entries)
+    call set%values_and_jacobian(x, others, again)
+    call near(maxval(abs(others - values)), 0.0_c_double, 1e-13_c_double, "values of constraints%values_and_jacobian")
+    call holds(all(abs(entries - again) <= 0), "entries of constraints%values_and_jacobian")
+    call set%dense_jacobian(x, dense)
+    scattered = 0
+    do i = 1, size(rows)
+      scattered(columns(i) + 1, rows(i) + 1) = entries(i)
+    end do
+    call holds(all(abs(dense - scattered) <= 0), "constraints%dense_jacobian")
+    call set%jacobian_times(x, v, jv)
+    call near(maxval(abs(jv - matmul(v, dense))), 0.0_c_double, 1e-12_c_double, "constraints%jacobian_times")
+    call set%transposed_jacobian_times(x, w, jtw)
+    call near(maxval(abs(jtw - matmul(dense, w))), 0.0_c_double, 1e-12_c_double, "constraints%transposed_jacobian_times")
+    call set%values(x + step * v, values)
+    call set%values(x - step * v, others)
+    call near(maxval(abs((values - others) / (2 * step) - jv)), 0.0_c_double, 1e-7_c_double, "a difference of values")
+
+    call set%hessian_pattern(rows, columns)
+    deallocate (entries)
+    allocate (entries(n_hessian))
+    call set%hessian(x, w, entries)
+    hv = 0
+    do i = 1, size(rows)
+      hv(rows(i) + 1) = hv(rows(i) + 1) + entries(i) * v(columns(i) + 1)
+      if (rows(i) /= columns(i)) hv(columns(i) + 1) = hv(columns(i) + 1) + entries(i) * v(rows(i) + 1)
+    end do
+    call set%transposed_jacobian_times(x + step * v, w, high)
+    call set%transposed_jacobian_times(x - step * v, w, low)
+    call near(maxval(abs((high - low) / (2 * step) - hv)) / maxval(abs(hv)), 0.0_c_double, 1e-4_c_double, "constraints%hessian")
+  end subroutine
+
+  subroutine constraints_are_checked()
+    type(keepout_constraints) :: set
+    type(keepout_field) :: none
+    type(keepout_body) :: nothing
+    integer(c_int32_t), allocatable :: rows(:), columns(:)
+    real(c_double) :: x(19), dense(19, 14)
+    integer(c_size_t) :: n, other
+    integer(c_int32_t) :: number, stat
+    character(len=200) :: errmsg
+    call make_constraints(set)
+    x = 0.5_c_double
+    call set%values(x, dense(:, 1), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "values has 19 entries; there are 14 values")
+    call set%jacobian(x, dense(:3, 1), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "has 3 entries")
+    call set%values_and_jacobian(x, dense(:14, 1), dense(:3, 2), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "entries has 3 entries")
+    call set%dense_jacobian(x, dense(:18, :), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "jacobian has 18 rows; 19 are needed")
+    call set%dense_jacobian(x, dense(:, :13), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "jacobian has 247 entries")
+    call set%jacobian_times(x, x(:3), dense(:, 1), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "v has 3 entries; 19 are needed")
+    call set%transposed_jacobian_times(x, x, dense(:3, 1), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "product has 3 entries; 19 are needed")
+    call set%hessian(x, x, dense(:, 1), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "lambda has 19 entries")
+    x(4:7) = 0
+    call set%values(x, dense(1, :), stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "quaternion of length 0")
+    call set%frame_variables(3, n, other, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "no frame 3")
+    call set%points_variables(1, n, other, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "no set of points 1")
+    call set%keep_body(nothing, 1, none, KO_WORLD, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "body is NULL")
+    call set%keep_points(0, none, KO_WORLD, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "field is NULL")
+    call set%create(4, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "dim is 4")
+    call holds(c_associated(set%c_handle()), "a set that fails leaves what was there")
+    call set%create(2)
+    call set%add_frame(KO_ROTATION_VECTOR, KO_SCALE_ONE, number, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "not by a rotation vector")
+    call set%add_fixed_frame(KO_ROTATION_ANGLE, KO_SCALE_ONE, x(:2), number, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "has 2 parameters; such a frame has 3")
+    call set%add_points(-1, number, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "0 points")
+    call set%free()
+    call set%get_size(n, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "constraints is NULL")
+    call set%jacobian_pattern(rows, columns, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "constraints is NULL")
+    call set%hessian_pattern(rows, columns, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "constraints is NULL")
   end subroutine
 
   subroutine progress_is_heard()

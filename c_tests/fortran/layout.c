@@ -9,6 +9,7 @@ size_t layout_smooth_options(size_t *offsets);
 size_t layout_fit_options(size_t *offsets);
 size_t layout_fit_report(size_t *offsets);
 size_t layout_level_set_options(size_t *offsets);
+size_t layout_aggregation(size_t *offsets);
 
 #define PUT(field) *offsets++ = offsetof(STRUCT, field)
 
@@ -140,6 +141,16 @@ size_t layout_level_set_options(size_t *offsets) {
     PUT(memory_limit);
     PUT(progress);
     PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_aggregation
+size_t layout_aggregation(size_t *offsets) {
+    PUT(struct_size);
+    PUT(sharpness);
+    PUT(kind);
+    PUT(side);
     return sizeof(STRUCT);
 }
 #undef STRUCT

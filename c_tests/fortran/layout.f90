@@ -50,6 +50,12 @@ module layout
       integer(c_size_t), intent(inout) :: offsets(*)
       integer(c_size_t) :: bytes
     end function
+
+    function layout_aggregation(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
   end interface
 
 contains
@@ -62,6 +68,7 @@ contains
     call check_normal_report()
     call check_smooth_options()
     call check_level_set_options()
+    call check_aggregation()
   end subroutine
 
   ! Bytes from `start` to `field`.
@@ -207,5 +214,16 @@ contains
     found(8) = offset(c_loc(x), c_loc(x%progress))
     found(9) = offset(c_loc(x), c_loc(x%progress_data))
     call holds(all(found == right), "offsets in ko_level_set_options")
+  end subroutine
+
+  subroutine check_aggregation()
+    type(ko_aggregation), target :: x
+    integer(c_size_t) :: right(4), found(4)
+    call equal(c_sizeof(x), layout_aggregation(right), "bytes of ko_aggregation")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%sharpness))
+    found(3) = offset(c_loc(x), c_loc(x%kind))
+    found(4) = offset(c_loc(x), c_loc(x%side))
+    call holds(all(found == right), "offsets in ko_aggregation")
   end subroutine
 end module

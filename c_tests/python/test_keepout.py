@@ -9,7 +9,7 @@ import unittest
 import numpy as np
 
 import keepout
-from keepout import Cloud, Error, Field, FitOptions, Mesh, Status
+from keepout import Aggregate, Aggregation, Body, Cloud, Constraints, Error, Field, FitOptions, Mesh, Rotation, Scale, Status
 
 CUBE = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
 CUBE_TRIANGLES = np.array(
@@ -321,6 +321,187 @@ class Fields(TestCase):
             thread.join()
         for values in found:
             np.testing.assert_array_equal(values, right)
+
+
+def made_field(dim: int) -> Field:
+    """About a ball of radius 0.6, not quite round, on the box [-1, 1]^dim; without a fit."""
+    places = np.stack(np.meshgrid(*[np.arange(-1.4, 1.5, 0.4)] * dim, indexing="ij"), -1)
+    numbers = np.sqrt((places**2).sum(-1) + 0.05) - 0.6 + 0.05 * np.sin(3 * places).sum(-1)
+    return Field.from_control_points(numbers, -np.ones(dim), np.ones(dim), 2.5)
+
+
+def rotated(q: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """By the quaternion w, x, y, z."""
+    w, v = q[0], q[1:]
+    cross = np.cross(v, points)
+    return points + 2 * (w * cross + np.cross(v, cross)) / (q @ q)
+
+
+class Bounding(TestCase):
+    def test_aggregates(self):
+        numbers = np.array([0.5, 0.1, 0.3])
+        for kind in (Aggregate.KS, Aggregate.INDUCED_EXPONENTIAL, Aggregate.P_NORM):
+            for side in keepout.Side:
+                of = Aggregation(kind=kind, side=side, sharpness=20)
+                value, gradient, packed = keepout.aggregate(numbers, 2.0, of, derivatives=2)
+                below, above = keepout.aggregation_bounds(3, of, numbers.min() / 2)
+                self.assertTrue(-2 * below - 1e-14 <= value - numbers.min() <= 2 * above + 1e-14)
+                hessian = np.zeros((3, 3))
+                hessian[np.tril_indices(3)] = packed
+                hessian += np.tril(hessian, -1).T
+                for i, axis in enumerate(1e-5 * np.eye(3)):
+                    ahead = keepout.aggregate(numbers + axis, 2.0, of, derivatives=1)
+                    behind = keepout.aggregate(numbers - axis, 2.0, of, derivatives=1)
+                    np.testing.assert_allclose((ahead[0] - behind[0]) / 2e-5, gradient[i], atol=1e-7)
+                    np.testing.assert_allclose((ahead[1] - behind[1]) / 2e-5, hessian[i], atol=1e-5)
+        minimum = Aggregation(kind=Aggregate.MINIMUM)
+        self.assertEqual(keepout.aggregate(numbers, 1, minimum, keepout.Extreme.LARGEST), (0.5,))
+        self.assertEqual(keepout.aggregate(numbers, 1), keepout.aggregate(numbers, 1, Aggregation()))
+        self.assertEqual(keepout.aggregation_bounds(3).above, 0)
+        with self.fails(Status.UNSUPPORTED, "not smooth"):
+            keepout.aggregate(numbers, 1, minimum, derivatives=2)
+        with self.fails(Status.INVALID_ARGUMENT, "no values"):
+            keepout.aggregate([], 1)
+        with self.fails(Status.INVALID_ARGUMENT, "derivatives is 3"):
+            keepout.aggregate(numbers, 1, derivatives=3)
+        with self.fails(Status.INVALID_ARGUMENT, "n_values is -1"):
+            keepout.aggregation_bounds(-1)
+        with self.fails(Status.INVALID_ARGUMENT, "sharpness is 0"):
+            keepout.aggregation_bounds(3, Aggregation(sharpness=0))
+        with self.assertRaisesRegex(AttributeError, "there is no option rho; there are sharpness, kind, side"):
+            Aggregation(rho=3)
+
+    def test_bodies(self):
+        for points in (FRAME, CUBE):
+            body = Body.from_points(points, 0.5)
+            self.assertEqual((body.dim, len(body), body.covering_radius), (points.shape[1], 8, 0.5))
+            np.testing.assert_array_equal(body.points(), points)
+        mesh = frame()
+        body = Body.from_mesh(mesh, 0.1)
+        np.testing.assert_allclose(mesh.signed_distance(body.points()), 0, atol=1e-14)
+        self.assertEqual((body.dim, body.covering_radius), (2, 0.1))
+        self.assertEqual(len(Body.from_mesh(cube(), 10)), 8)
+        with self.fails(Status.INVALID_ARGUMENT, "covering_radius is -1"):
+            Body.from_points(CUBE, -1)
+        with self.fails(Status.INVALID_ARGUMENT, "covering_radius is 0"):
+            Body.from_mesh(mesh, 0)
+        with self.fails(Status.INVALID_ARGUMENT, "dim is 4"):
+            Body.from_points(np.zeros((3, 4)))
+        body.close()
+        with self.fails(Status.INVALID_ARGUMENT, "body is NULL"):
+            len(body)
+
+    def check_derivatives(self, constraints: Constraints, x: np.ndarray) -> None:
+        """All forms of the Jacobian agree, with differences of the values too, and the Hessian with those of the Jacobian."""
+        n, m, n_jacobian, n_hessian = constraints.size()
+        values, entries = constraints.values_and_jacobian(x)
+        np.testing.assert_allclose(constraints.values(x), values, atol=1e-13)
+        np.testing.assert_array_equal(constraints.jacobian(x), entries)
+        pattern, dense = constraints.jacobian_pattern(), constraints.dense_jacobian(x)
+        self.assertEqual((len(entries), pattern.rows.dtype, dense.shape), (n_jacobian, np.int32, (m, n)))
+        scattered = np.zeros((m, n))
+        scattered[pattern] = entries
+        np.testing.assert_array_equal(scattered, dense)
+        random = np.random.default_rng(5)
+        v, w = random.uniform(-1, 1, n), random.uniform(-1, 1, m)
+        np.testing.assert_allclose(constraints.jacobian_times(x, v), dense @ v, atol=1e-12)
+        np.testing.assert_allclose(constraints.transposed_jacobian_times(x, w), w @ dense, atol=1e-12)
+
+        pairs, triangle = constraints.hessian_pattern(), constraints.hessian(x, w)
+        self.assertTrue(len(triangle) == n_hessian and (pairs.columns <= pairs.rows).all())
+        hessian = np.zeros((n, n))
+        hessian[pairs] = triangle
+        hessian += np.tril(hessian, -1).T
+        for i, axis in enumerate(1e-5 * np.eye(n)):
+            difference = (constraints.values(x + axis) - constraints.values(x - axis)) / 2e-5
+            np.testing.assert_allclose(difference, dense[:, i], atol=1e-6)
+            ahead, behind = (constraints.transposed_jacobian_times(x + by, w) for by in (axis, -axis))
+            np.testing.assert_allclose((ahead - behind) / 2e-5, hessian[i], atol=1e-3)
+
+    def test_constraints_in_space(self):
+        field, body = made_field(3), Body.from_points(np.random.default_rng(7).uniform(-0.4, 0.4, (30, 3)))
+        each, points = Aggregation(kind=Aggregate.NONE), body.points()
+        constraints = Constraints.create()
+        moving = constraints.add_frame(Rotation.QUATERNION, Scale.FREE)
+        path = constraints.add_points(5)
+        still = constraints.add_fixed_frame([0.1, 0.2, 0.3, 1.5], scale=Scale.FREE)
+        self.assertEqual((moving, path, still), (1, 0, 2))
+        self.assertEqual(constraints.keep_body(body, moving, field, still, each), 0)
+        self.assertEqual(constraints.keep_points(path, field, keepout.WORLD, each), 30)
+        self.assertEqual(constraints.keep_body(body, moving, field, aggregation=Aggregation(sharpness=20)), 35)
+        self.assertEqual(constraints.keep_points(path, field, moving, Aggregation(sharpness=20)), 36)
+        self.assertEqual(constraints.size()[:2], (8 + 15, 37))
+        self.assertEqual(constraints.frame_variables(moving), slice(0, 8))
+        self.assertEqual(constraints.frame_variables(still), slice(0, 0))
+        self.assertEqual(constraints.points_variables(path), slice(8, 23))
+        x = np.random.default_rng(8).uniform(0.2, 0.6, 23)
+        x[7] = 1.2
+        world = 1.2 * rotated(x[3:7], points) + x[:3]
+        values = constraints.values(x)
+        np.testing.assert_allclose(values[:30], 1.5 * field((world - [0.1, 0.2, 0.3]) / 1.5), atol=1e-13)
+        np.testing.assert_allclose(values[30:35], field(x[8:].reshape(5, 3)), atol=1e-13)
+        ks = keepout.aggregate(field(world), field.report().diagonal, Aggregation(sharpness=20))
+        np.testing.assert_allclose(values[35], ks[0], atol=1e-13)
+        # Body and field may go before.
+        body.close()
+        field.close()
+        np.testing.assert_array_equal(constraints.values(x), values)
+        self.check_derivatives(constraints, x)
+
+    def test_constraints_in_the_plane(self):
+        field, body = made_field(2), Body.from_points(np.random.default_rng(7).uniform(-0.4, 0.4, (30, 2)))
+        constraints = Constraints.create(2)
+        frames = [constraints.add_frame(Rotation.ANGLE, Scale.FREE), constraints.add_frame()]
+        constraints.keep_body(body, frames[0], field, frames[1], Aggregation(sharpness=20, kind=Aggregate.P_NORM))
+        constraints.keep_body(body, frames[1], field, frames[0], Aggregation(kind=Aggregate.NONE))
+        x = np.array([0.1, -0.2, 0.7, 1.2, 0.3, 0.1])
+        turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+        inside = (body.points() + x[4:] - x[:2]) @ turn / 1.2
+        np.testing.assert_allclose(constraints.values(x)[1:], 1.2 * field(inside), atol=1e-13)
+        self.check_derivatives(constraints, x)
+
+    def test_constraints_are_checked(self):
+        field, body = made_field(3), Body.from_points(CUBE)
+        constraints = Constraints.create()
+        moving = constraints.add_frame(Rotation.QUATERNION)
+        constraints.keep_body(body, moving, field)
+        x = np.array([0, 0, 0, 1, 0, 0, 0])
+        with self.fails(Status.INVALID_ARGUMENT, "x has 6 entries; there are 7 variables"):
+            constraints.values(x[:6])
+        with self.fails(Status.INVALID_ARGUMENT, "x has the shape (1, 7); [n] is needed"):
+            constraints.jacobian(x[None])
+        with self.fails(Status.INVALID_ARGUMENT, "jacobian has 6 entries"):
+            constraints.dense_jacobian(x[:6])
+        with self.fails(Status.INVALID_ARGUMENT, "v has 6 entries; 7 are needed"):
+            constraints.jacobian_times(x, x[:6])
+        with self.fails(Status.INVALID_ARGUMENT, "w has 7 entries; there are 1 values"):
+            constraints.transposed_jacobian_times(x, x)
+        with self.fails(Status.INVALID_ARGUMENT, "lambda has 7 entries"):
+            constraints.hessian(x, x)
+        with self.fails(Status.INVALID_ARGUMENT, "quaternion of length 0"):
+            constraints.values(0 * x)
+        with self.fails(Status.INVALID_ARGUMENT, "no frame 5"):
+            constraints.keep_body(body, 5, field)
+        with self.fails(Status.INVALID_ARGUMENT, "frame is -1"):
+            constraints.keep_body(body, -1, field)
+        with self.fails(Status.INVALID_ARGUMENT, "no set of points 0"):
+            constraints.keep_points(0, field)
+        with self.fails(Status.INVALID_ARGUMENT, "the field dim 2"):
+            constraints.keep_body(body, moving, made_field(2))
+        with self.fails(Status.INVALID_ARGUMENT, "has 2 parameters; such a frame has 3"):
+            constraints.add_fixed_frame([1, 2])
+        with self.fails(Status.INVALID_ARGUMENT, "0 points"):
+            constraints.add_points(0)
+        with self.fails(Status.INVALID_ARGUMENT, "not by an angle"):
+            constraints.add_frame(Rotation.ANGLE)
+        with self.fails(Status.INVALID_ARGUMENT, "dim is 4"):
+            Constraints.create(4)
+        with self.assertRaises(Exception) as caught:
+            constraints.keep_body(field, moving, field)
+        self.assertIn("ko_body", str(caught.exception))
+        constraints.close()
+        with self.fails(Status.INVALID_ARGUMENT, "constraints is NULL"):
+            constraints.values(x)
 
 
 class ProgressIsHeard(TestCase):

@@ -6,7 +6,7 @@
 
 Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous float64 is handed over as it is, all else is
 copied first; eval_into writes to arrays of the caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
-Handles. Mesh, Cloud and Field free what they hold with the last reference to them, at the end of a `with` block, or by close().
+Handles. Mesh, Cloud, Field, Body and Constraints free what they hold with the last reference to them, at the end of a `with` block, or by close().
 Errors. A call that fails raises Error, with the library's message and its status.
 Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
 The library is the file $KEEPOUT_LIBRARY, else one beside this file or in a build tree above it, else where the system finds it.
@@ -82,6 +82,50 @@ class Reweight(enum.IntEnum):
     ROBUST = 1
 
 
+class Aggregate(enum.IntEnum):
+    """How values of samples become one."""
+
+    NONE = 0
+    KS = 1
+    INDUCED_EXPONENTIAL = 2
+    P_NORM = 3
+    MINIMUM = 4
+
+
+class Side(enum.IntEnum):
+    """The side of the least value on which an aggregate lies for certain: BELOW is the safe one."""
+
+    BELOW = 0
+    ABOVE = 1
+
+
+class Extreme(enum.IntEnum):
+    """Which end of the values is aggregated."""
+
+    LEAST = 0
+    LARGEST = 1
+
+
+class Rotation(enum.IntEnum):
+    """How a frame is turned, and by how many parameters: 0, 4, 3, 1."""
+
+    NONE = 0
+    QUATERNION = 1
+    VECTOR = 2
+    ANGLE = 3
+
+
+class Scale(enum.IntEnum):
+    """Whether a frame is scaled, by one parameter."""
+
+    ONE = 0
+    FREE = 1
+
+
+WORLD = 0
+"""The frame of all constraints that does not move."""
+
+
 class Polylines(enum.IntEnum):
     """Whether polylines go back to their first points."""
 
@@ -109,6 +153,14 @@ class ko_cloud(ctypes.Structure):
 
 
 class ko_field(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_body(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_constraints(ctypes.Structure):
     """Opaque."""
 
 
@@ -262,6 +314,17 @@ class ko_level_set_options(_Struct):
     ]
 
 
+class ko_aggregation(_Struct):
+    """How values of samples become one; see Aggregation."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("sharpness", c_double),
+        ("kind", c_int32),
+        ("side", c_int32),
+    ]
+
+
 # ---- The library
 
 
@@ -289,6 +352,8 @@ _library = _load()
 _mesh = POINTER(ko_mesh)
 _cloud = POINTER(ko_cloud)
 _field = POINTER(ko_field)
+_body = POINTER(ko_body)
+_constraints = POINTER(ko_constraints)
 _doubles = POINTER(c_double)
 _indices = POINTER(c_uint32)
 
@@ -380,6 +445,105 @@ _field_load = _bind("ko_field_load", c_int32, c_char_p, POINTER(_field))
 _field_free = _bind("ko_field_free", None, _field)
 _level_set_options_init = _bind("ko_level_set_options_init", c_int32, POINTER(ko_level_set_options), c_size_t)
 _field_level_set = _bind("ko_field_level_set", c_int32, _field, c_double, POINTER(ko_level_set_options), POINTER(_mesh))
+
+_aggregation_init = _bind("ko_aggregation_init", c_int32, POINTER(ko_aggregation), c_size_t)
+_aggregate = _bind(
+    "ko_aggregate",
+    c_int32,
+    POINTER(ko_aggregation),
+    c_int32,
+    c_double,
+    _doubles,
+    c_size_t,
+    POINTER(c_double),
+    _doubles,
+    _doubles,
+)
+_aggregation_bounds = _bind(
+    "ko_aggregation_bounds", c_int32, POINTER(ko_aggregation), c_size_t, c_double, POINTER(c_double), POINTER(c_double)
+)
+_body_from_points = _bind("ko_body_from_points", c_int32, c_uint32, _doubles, c_size_t, c_double, POINTER(_body))
+_body_from_mesh = _bind("ko_body_from_mesh", c_int32, _mesh, c_double, POINTER(_body))
+_body_free = _bind("ko_body_free", None, _body)
+_body_get_dim = _bind("ko_body_get_dim", c_int32, _body, POINTER(c_uint32))
+_body_get_size = _bind("ko_body_get_size", c_int32, _body, POINTER(c_size_t))
+_body_get_covering_radius = _bind("ko_body_get_covering_radius", c_int32, _body, POINTER(c_double))
+_body_copy_points = _bind("ko_body_copy_points", c_int32, _body, c_size_t, _doubles)
+
+_constraints_create = _bind("ko_constraints_create", c_int32, c_uint32, POINTER(_constraints))
+_constraints_free = _bind("ko_constraints_free", None, _constraints)
+_constraints_add_frame = _bind("ko_constraints_add_frame", c_int32, _constraints, c_int32, c_int32, POINTER(c_uint32))
+_constraints_add_fixed_frame = _bind(
+    "ko_constraints_add_fixed_frame", c_int32, _constraints, c_int32, c_int32, _doubles, c_size_t, POINTER(c_uint32)
+)
+_constraints_add_points = _bind("ko_constraints_add_points", c_int32, _constraints, c_size_t, POINTER(c_uint32))
+_constraints_keep_body = _bind(
+    "ko_constraints_keep_body",
+    c_int32,
+    _constraints,
+    _body,
+    c_uint32,
+    _field,
+    c_uint32,
+    POINTER(ko_aggregation),
+    POINTER(c_size_t),
+)
+_constraints_keep_points = _bind(
+    "ko_constraints_keep_points",
+    c_int32,
+    _constraints,
+    c_uint32,
+    _field,
+    c_uint32,
+    POINTER(ko_aggregation),
+    POINTER(c_size_t),
+)
+_constraints_get_size = _bind(
+    "ko_constraints_get_size",
+    c_int32,
+    _constraints,
+    POINTER(c_size_t),
+    POINTER(c_size_t),
+    POINTER(c_size_t),
+    POINTER(c_size_t),
+)
+_constraints_get_frame_variables = _bind(
+    "ko_constraints_get_frame_variables", c_int32, _constraints, c_uint32, POINTER(c_size_t), POINTER(c_size_t)
+)
+_constraints_get_points_variables = _bind(
+    "ko_constraints_get_points_variables", c_int32, _constraints, c_uint32, POINTER(c_size_t), POINTER(c_size_t)
+)
+_constraints_values = _bind("ko_constraints_values", c_int32, _constraints, _doubles, c_size_t, c_size_t, _doubles)
+_constraints_jacobian_pattern = _bind(
+    "ko_constraints_jacobian_pattern", c_int32, _constraints, c_size_t, POINTER(c_int32), POINTER(c_int32)
+)
+_constraints_jacobian = _bind("ko_constraints_jacobian", c_int32, _constraints, _doubles, c_size_t, c_size_t, _doubles)
+_constraints_values_and_jacobian = _bind(
+    "ko_constraints_values_and_jacobian",
+    c_int32,
+    _constraints,
+    _doubles,
+    c_size_t,
+    c_size_t,
+    _doubles,
+    c_size_t,
+    _doubles,
+)
+_constraints_dense_jacobian = _bind(
+    "ko_constraints_dense_jacobian", c_int32, _constraints, _doubles, c_size_t, c_size_t, _doubles
+)
+_constraints_jacobian_times = _bind(
+    "ko_constraints_jacobian_times", c_int32, _constraints, _doubles, _doubles, c_size_t, c_size_t, _doubles
+)
+_constraints_transposed_jacobian_times = _bind(
+    "ko_constraints_transposed_jacobian_times", c_int32, _constraints, _doubles, c_size_t, _doubles, c_size_t, _doubles
+)
+_constraints_hessian_pattern = _bind(
+    "ko_constraints_hessian_pattern", c_int32, _constraints, c_size_t, POINTER(c_int32), POINTER(c_int32)
+)
+_constraints_hessian = _bind(
+    "ko_constraints_hessian", c_int32, _constraints, _doubles, c_size_t, _doubles, c_size_t, c_size_t, _doubles
+)
 
 
 def version() -> str:
@@ -555,6 +719,17 @@ class LevelSetOptions(_Options, ko_level_set_options):
     """Options of Field.level_set, as FitOptions has those of Field.fit."""
 
     _init = staticmethod(_level_set_options_init)
+
+
+class Aggregation(_Options, ko_aggregation):
+    """How values of samples become one, KS but for what is given by name: Aggregation(kind=Aggregate.NONE), say."""
+
+    _init = staticmethod(_aggregation_init)
+
+
+def _plain(aggregation: Optional[Aggregation]) -> Any:
+    """NULL, which is KS, for none."""
+    return None if aggregation is None else ctypes.byref(aggregation)
 
 
 class _Listener:
@@ -979,3 +1154,249 @@ def unpack_hessians(packed: Array) -> Array:
     matrices[..., rows, columns] = packed
     matrices[..., columns, rows] = packed
     return matrices
+
+
+# ---- Constraints
+
+
+class Bounds(NamedTuple):
+    """How far an aggregate may lie from the least value, in units of D."""
+
+    below: float
+    above: float
+
+
+def aggregate(
+    values: npt.ArrayLike,
+    unit: float,
+    aggregation: Optional[Aggregation] = None,
+    extreme: Extreme = Extreme.LEAST,
+    derivatives: int = 0,
+) -> tuple[Any, ...]:
+    """The aggregate of values [n], with D the `unit`; from derivatives 1 on its gradient [n], with 2 its packed Hessian.
+
+    That is the lower triangle by rows, [n (n + 1) / 2], in the order of numpy.tril_indices(n). Without an aggregation: KS.
+    """
+    if derivatives not in (0, 1, 2):
+        raise _wrong(f"derivatives is {derivatives}; it must be 0, 1 or 2")
+    values = _numbers("values", values, None)
+    n, value = len(values), c_double()
+    found = tuple(np.empty(size) for size in (n, n * (n + 1) // 2)[:derivatives])
+    to = [_at(array) for array in found] + [None] * (2 - derivatives)
+    _check(_aggregate(_plain(aggregation), extreme, unit, _at(values), n, ctypes.byref(value), *to))
+    return (value.value, *found)
+
+
+def aggregation_bounds(n_values: int, aggregation: Optional[Aggregation] = None, least: float = 0.0) -> Bounds:
+    """How far the aggregate of n_values values may lie from the least; `least`, in units of D, counts for Aggregate.P_NORM alone."""
+    below, above = c_double(), c_double()
+    n = _count("n_values", n_values)
+    _check(_aggregation_bounds(_plain(aggregation), n, least, ctypes.byref(below), ctypes.byref(above)))
+    return Bounds(below.value, above.value)
+
+
+class Body(_Handle):
+    """Points of a design that move with it, and how densely they cover its surface. len() tells how many."""
+
+    _free = staticmethod(_body_free)
+    _pointer = _body
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        dim = c_uint32()
+        _check(_body_get_dim(self, ctypes.byref(dim)))
+        self.dim: int = dim.value
+
+    @classmethod
+    def from_points(cls, points: npt.ArrayLike, covering_radius: float = 0.0) -> Body:
+        """From points [n, dim], of which one is within `covering_radius` of each point of the surface; 0: not known."""
+        points = _points_of_any_dim(points)
+        n, dim = points.shape
+        handle = _body()
+        _check(_body_from_points(dim, _at(points), n, covering_radius, ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def from_mesh(cls, mesh: Mesh, covering_radius: float) -> Body:
+        """Points on `mesh`, so many that one is within `covering_radius` of each point of its surface or curves."""
+        handle = _body()
+        _check(_body_from_mesh(mesh, covering_radius, ctypes.byref(handle)))
+        return cls(handle)
+
+    def __len__(self) -> int:
+        n = c_size_t()
+        _check(_body_get_size(self, ctypes.byref(n)))
+        return n.value
+
+    @property
+    def covering_radius(self) -> float:
+        """0: not known."""
+        radius = c_double()
+        _check(_body_get_covering_radius(self, ctypes.byref(radius)))
+        return radius.value
+
+    def points(self) -> Array:
+        """A copy of the points, [n, dim]."""
+        points = np.empty((len(self), self.dim))
+        _check(_body_copy_points(self, len(points), _at(points)))
+        return points
+
+
+class Size(NamedTuple):
+    """How many of each some constraints have."""
+
+    n_variables: int
+    n_values: int
+    n_jacobian: int
+    """Entries of the Jacobian's pattern."""
+    n_hessian: int
+    """Entries of the Hessian's."""
+
+
+class Pattern(NamedTuple):
+    """Where entries stand, counted from 0: scipy.sparse.coo_array((entries, pattern), shape) is the matrix."""
+
+    rows: Array
+    """[n] of int32"""
+    columns: Array
+    """[n] of int32"""
+
+
+class Constraints(_Handle):
+    """Requirements that samples of a design lie where fields are positive, over one vector of variables x [n_variables].
+
+    Frames and points are told by their numbers; WORLD is the frame that does not move.
+    """
+
+    _free = staticmethod(_constraints_free)
+    _pointer = _constraints
+
+    @classmethod
+    def create(cls, dim: int = 3) -> Constraints:
+        """Without variables and values; dim is 2 or 3."""
+        handle = _constraints()
+        _check(_constraints_create(_count("dim", dim), ctypes.byref(handle)))
+        return cls(handle)
+
+    def add_frame(self, rotation: Rotation = Rotation.NONE, scale: Scale = Scale.ONE) -> int:
+        """A frame whose parameters are variables: dim of its place, then those of its rotation, then its scale."""
+        frame = c_uint32()
+        _check(_constraints_add_frame(self, rotation, scale, ctypes.byref(frame)))
+        return frame.value
+
+    def add_fixed_frame(
+        self, parameters: npt.ArrayLike, rotation: Rotation = Rotation.NONE, scale: Scale = Scale.ONE
+    ) -> int:
+        """A frame that stands still at `parameters`."""
+        parameters = _numbers("parameters", parameters, None)
+        frame, given = c_uint32(), (_at(parameters), len(parameters))
+        _check(_constraints_add_fixed_frame(self, rotation, scale, *given, ctypes.byref(frame)))
+        return frame.value
+
+    def add_points(self, n_points: int) -> int:
+        """Points whose coordinates are variables."""
+        points = c_uint32()
+        _check(_constraints_add_points(self, _count("n_points", n_points), ctypes.byref(points)))
+        return points.value
+
+    def keep_body(
+        self, body: Body, frame: int, field: Field, field_frame: int = WORLD, aggregation: Optional[Aggregation] = None
+    ) -> int:
+        """Keeps `body` in `frame` where phi of `field` in `field_frame` is positive: the number of the first value."""
+        first, frames = c_size_t(), (_count("frame", frame), _count("field_frame", field_frame))
+        one, other = (body, frames[0]), (field, frames[1])
+        _check(_constraints_keep_body(self, *one, *other, _plain(aggregation), ctypes.byref(first)))
+        return first.value
+
+    def keep_points(
+        self, points: int, field: Field, field_frame: int = WORLD, aggregation: Optional[Aggregation] = None
+    ) -> int:
+        """The same of points that are variables."""
+        first, numbers = c_size_t(), (_count("points", points), _count("field_frame", field_frame))
+        other = (field, numbers[1])
+        _check(_constraints_keep_points(self, numbers[0], *other, _plain(aggregation), ctypes.byref(first)))
+        return first.value
+
+    def size(self) -> Size:
+        """How many variables, values and entries there are."""
+        sizes = [c_size_t() for _ in Size._fields]
+        _check(_constraints_get_size(self, *(ctypes.byref(size) for size in sizes)))
+        return Size(*(size.value for size in sizes))
+
+    def frame_variables(self, frame: int) -> slice:
+        """Where in x the parameters of a frame are; empty for one that stands still."""
+        first, n = c_size_t(), c_size_t()
+        frame = _count("frame", frame)
+        _check(_constraints_get_frame_variables(self, frame, ctypes.byref(first), ctypes.byref(n)))
+        return slice(first.value, first.value + n.value)
+
+    def points_variables(self, points: int) -> slice:
+        """Where in x the coordinates of points are, point by point."""
+        first, n = c_size_t(), c_size_t()
+        points = _count("points", points)
+        _check(_constraints_get_points_variables(self, points, ctypes.byref(first), ctypes.byref(n)))
+        return slice(first.value, first.value + n.value)
+
+    def values(self, x: npt.ArrayLike) -> Array:
+        """Values [n_values] at x, each to be kept at or above 0."""
+        x, values = _numbers("x", x, None), np.empty(self.size().n_values)
+        _check(_constraints_values(self, _at(x), len(x), len(values), _at(values)))
+        return values
+
+    def jacobian_pattern(self) -> Pattern:
+        """Where the entries of jacobian stand: rows are values, columns variables."""
+        n = self.size().n_jacobian
+        pattern = Pattern(np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32))
+        _check(_constraints_jacobian_pattern(self, n, _at(pattern.rows, c_int32), _at(pattern.columns, c_int32)))
+        return pattern
+
+    def jacobian(self, x: npt.ArrayLike) -> Array:
+        """Entries [n_jacobian] of the Jacobian at x, in the order of jacobian_pattern."""
+        x, entries = _numbers("x", x, None), np.empty(self.size().n_jacobian)
+        _check(_constraints_jacobian(self, _at(x), len(x), len(entries), _at(entries)))
+        return entries
+
+    def values_and_jacobian(self, x: npt.ArrayLike) -> tuple[Array, Array]:
+        """Both at once, which costs no more than jacobian."""
+        x, size = _numbers("x", x, None), self.size()
+        values, entries = np.empty(size.n_values), np.empty(size.n_jacobian)
+        to = (len(values), _at(values), len(entries), _at(entries))
+        _check(_constraints_values_and_jacobian(self, _at(x), len(x), *to))
+        return values, entries
+
+    def dense_jacobian(self, x: npt.ArrayLike) -> Array:
+        """The Jacobian at x as a whole, [n_values, n_variables]."""
+        x, n_values = _numbers("x", x, None), self.size().n_values
+        jacobian = np.empty((n_values, len(x)))
+        _check(_constraints_dense_jacobian(self, _at(x), len(x), n_values, _at(jacobian)))
+        return jacobian
+
+    def jacobian_times(self, x: npt.ArrayLike, v: npt.ArrayLike) -> Array:
+        """J v, [n_values], at x for v [n_variables]."""
+        x, v, product = _numbers("x", x, None), _numbers("v", v, None), np.empty(self.size().n_values)
+        if len(v) != len(x):
+            raise _wrong(f"v has {len(v)} entries; {len(x)} are needed")
+        _check(_constraints_jacobian_times(self, _at(x), _at(v), len(x), len(product), _at(product)))
+        return product
+
+    def transposed_jacobian_times(self, x: npt.ArrayLike, w: npt.ArrayLike) -> Array:
+        """J^T w, [n_variables], at x for w [n_values]."""
+        x, w = _numbers("x", x, None), _numbers("w", w, None)
+        product = np.empty(len(x))
+        _check(_constraints_transposed_jacobian_times(self, _at(x), len(x), _at(w), len(w), _at(product)))
+        return product
+
+    def hessian_pattern(self) -> Pattern:
+        """Where the entries of hessian stand: variables both, columns no larger than rows."""
+        n = self.size().n_hessian
+        pattern = Pattern(np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32))
+        _check(_constraints_hessian_pattern(self, n, _at(pattern.rows, c_int32), _at(pattern.columns, c_int32)))
+        return pattern
+
+    def hessian(self, x: npt.ArrayLike, multipliers: npt.ArrayLike) -> Array:
+        """Entries [n_hessian] of the Hessian of the sum of multipliers [n_values] times the values, the lower triangle alone."""
+        x, multipliers = _numbers("x", x, None), _numbers("multipliers", multipliers, None)
+        entries = np.empty(self.size().n_hessian)
+        given = (_at(x), len(x), _at(multipliers), len(multipliers))
+        _check(_constraints_hessian(self, *given, len(entries), _at(entries)))
+        return entries

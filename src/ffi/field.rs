@@ -14,10 +14,19 @@ use crate::field::{self, Feasible, Field, FitOptions, Lattice, Outputs, domain};
 use crate::progress::Progress;
 use crate::{Error, Result};
 use std::ffi::c_char;
+use std::sync::Arc;
 
 /// A level-set function phi, close to the signed distance to a shape. Freed by `ko_field_free`.
 #[allow(non_camel_case_types)]
-pub struct ko_field(pub(super) OfDimension<Field<2>, Field<3>>);
+pub struct ko_field(pub(super) OfDimension<Arc<Field<2>>, Arc<Field<3>>>);
+
+/// Shared, so that constraints may hold it.
+fn shared(field: OfDimension<Field<2>, Field<3>>) -> ko_field {
+    ko_field(match field {
+        OfDimension::Plane(field) => OfDimension::Plane(Arc::new(field)),
+        OfDimension::Space(field) => OfDimension::Space(Arc::new(field)),
+    })
+}
 
 /// Fits a field to `cloud`: the minimum of the energy (10) of Dunn et al. 2023 over cubic B-splines on a box around the cloud, with the
 /// smoothness integrated exactly, distances held away from the surface, and points that the surface misses weighted more.
@@ -56,7 +65,7 @@ pub unsafe extern "C" fn ko_field_fit(
                 OfDimension::Space(cloud) => OfDimension::Space(Field::fit(cloud, &options, &mut progress)?),
             };
             remark = remark_on(&field, &options);
-            Ok(ko_field(field))
+            Ok(shared(field))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(field, "field", make) }?;
@@ -105,7 +114,7 @@ pub unsafe extern "C" fn ko_field_refit(
                 }
             };
             remark = remark_on(&field, &options);
-            Ok(ko_field(field))
+            Ok(shared(field))
         };
         // SAFETY: the header asks for a handle to write.
         unsafe { create(field, "field", make) }?;
@@ -146,7 +155,7 @@ pub unsafe extern "C" fn ko_field_from_control_points(
             // SAFETY: the header asks for an array of this length.
             let numbers = unsafe { array(control_points, n_control_points, "control_points") }?;
             let given = Given { numbers, feasible: side(feasible)?, diagonal };
-            Ok(ko_field(match dim {
+            Ok(shared(match dim {
                 // SAFETY: the header asks for arrays of `dim` entries.
                 2 => OfDimension::Plane(unsafe { from_control_points(counts, [box_min, box_max], given) }?),
                 // SAFETY: as above.
@@ -392,7 +401,7 @@ pub unsafe extern "C" fn ko_field_save(field: *const ko_field, path: *const c_ch
 pub unsafe extern "C" fn ko_field_load(path: *const c_char, field: *mut *mut ko_field) -> i32 {
     guard(|| {
         // SAFETY: the header asks for a NUL-terminated path and a handle to write.
-        unsafe { create(field, "field", || Ok(ko_field(field::load(self::path(path, "path")?)?))) }
+        unsafe { create(field, "field", || Ok(shared(field::load(self::path(path, "path")?)?))) }
     })
 }
 

@@ -8,7 +8,10 @@
 // `values` [n_points] is a shape, not a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod aggregation;
+mod body;
 mod cloud;
+mod constraints;
 mod field;
 mod fit_options;
 mod guard;
@@ -22,7 +25,10 @@ mod smooth;
 mod status;
 mod version;
 
+pub use aggregation::*;
+pub use body::*;
 pub use cloud::*;
+pub use constraints::*;
 pub use field::*;
 pub use fit_options::*;
 pub use level_set::*;

@@ -67,6 +67,8 @@ pub(super) unsafe trait Plain {}
 // SAFETY: plain numbers.
 unsafe impl Plain for u8 {}
 // SAFETY: as above.
+unsafe impl Plain for i32 {}
+// SAFETY: as above.
 unsafe impl Plain for u32 {}
 // SAFETY: as above.
 unsafe impl Plain for usize {}
@@ -98,6 +100,11 @@ pub(super) unsafe fn wanted<'a, T: Plain>(pointer: *mut T, len: usize, name: &st
     }
     // SAFETY: the caller's promise.
     unsafe { array_mut(pointer, len, name) }.map(Some)
+}
+
+/// What [`place`] will refuse of an output that is NULL where it is not wanted: asked before work whose result goes there.
+pub(super) fn check_wanted_place<T>(to: *const T, name: &str) -> Result<()> {
+    if to.is_null() { Ok(()) } else { check(to, name) }
 }
 
 /// The path in the C string at `pointer`.

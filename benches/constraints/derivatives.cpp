@@ -1,0 +1,151 @@
+// Jacobians and Hessians against central differences, over random configurations of bodies and fields that move.
+// SPDX-License-Identifier: Apache-2.0 OR MIT
+#include "subjects.hpp"
+
+#include "../points.hpp"
+#include "../stats.hpp"
+#include "set.hpp"
+
+#include <cmath>
+
+namespace bench {
+
+namespace {
+
+constexpr int CONFIGURATIONS = 10000;
+// Third derivatives jump at knots and faces: a difference of gradients across one is off by that jump times the step.
+constexpr double STEP = 2e-6, STEP_OF_GRADIENTS = 1e-7;
+constexpr double LIMIT_OF_GRADIENTS = 1e-7, LIMIT_OF_HESSIANS = 1e-5;
+const std::int32_t KINDS[] = {KO_AGGREGATE_NONE, KO_AGGREGATE_KS, KO_AGGREGATE_INDUCED_EXPONENTIAL, KO_AGGREGATE_P_NORM};
+const char *const NAMES[] = {"none", "ks", "induced_exponential", "p_norm"};
+
+// A field of waves, so that every configuration has third derivatives of its own.
+Field made_up_field(std::uint32_t dim, Uniform &uniform) {
+    const double lower[3] = {-1, -1.1, -1.2}, upper[3] = {1, 1.1, 1.2};
+    const std::uint32_t counts[3] = {7, 8, 9};
+    std::size_t n = 1;
+    for (std::uint32_t a = 0; a < dim; ++a) n *= counts[a];
+    std::vector<double> control_points(n);
+    for (double &c : control_points) c = 2 * uniform() - 1;
+    ko_field *made = nullptr;
+    check(ko_field_from_control_points(dim, counts, lower, upper, KO_FEASIBLE_OUTSIDE, 2, control_points.data(), n, &made),
+          "ko_field_from_control_points");
+    return Field(made);
+}
+
+struct Pose {
+    std::int32_t rotation, scale;
+};
+
+std::vector<Pose> poses_of(std::uint32_t dim) {
+    std::vector<Pose> poses;
+    for (const std::int32_t scale : {KO_SCALE_ONE, KO_SCALE_FREE}) {
+        poses.push_back({KO_ROTATION_NONE, scale});
+        if (dim == 2) poses.push_back({KO_ROTATION_ANGLE, scale});
+        if (dim == 3) poses.push_back({KO_ROTATION_QUATERNION, scale});
+        if (dim == 3) poses.push_back({KO_ROTATION_VECTOR, scale});
+    }
+    return poses;
+}
+
+void add_parameters(std::uint32_t dim, const Pose &pose, Uniform &uniform, std::vector<double> &x) {
+    const auto between = [&](double a, double b) { return a + (b - a) * uniform(); };
+    for (std::uint32_t a = 0; a < dim; ++a) x.push_back(between(-0.8, 0.8));
+    const int n = pose.rotation == KO_ROTATION_QUATERNION ? 4 : pose.rotation == KO_ROTATION_VECTOR ? 3 : pose.rotation == KO_ROTATION_ANGLE;
+    for (int k = 0; k < n; ++k) x.push_back(between(-0.7, 0.7) + (n == 4 && k == 0 ? 1 : 0));
+    if (pose.scale == KO_SCALE_FREE) x.push_back(between(0.7, 1.4));
+}
+
+// Points of a body: inside the field's box, outside, and some on its faces for a frame that stands at the origin.
+std::vector<double> body_points(std::uint32_t dim, std::size_t n, Uniform &uniform) {
+    std::vector<double> points(dim * n);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = 2.6 * uniform() - 1.3;
+        if (uniform() < 0.1) points[i] = uniform() < 0.5 ? -1 - 0.1 * static_cast<double>(i % dim) : 1 + 0.1 * static_cast<double>(i % dim);
+    }
+    return points;
+}
+
+double largest(const std::vector<double> &v) {
+    double most = 0;
+    for (const double x : v) most = std::max(most, std::abs(x));
+    return most;
+}
+
+struct Worst {
+    double gradient = 0, hessian = 0;
+};
+
+// The largest difference of each, over the largest entry.
+Worst compare(const Constraints &set, const std::vector<double> &x, Uniform &uniform) {
+    const std::size_t n = x.size(), m = sizes_of(set).values;
+    std::vector<double> lambda(m);
+    for (double &l : lambda) l = 2 * uniform() - 1;
+    const std::vector<double> jacobian = dense_jacobian(set, x), hessian = dense_hessian(set, x, lambda);
+    const auto gradient_at = [&](const std::vector<double> &x) {
+        const std::vector<double> jacobian = dense_jacobian(set, x);
+        std::vector<double> sum(n);
+        for (std::size_t row = 0; row < m; ++row)
+            for (std::size_t k = 0; k < n; ++k) sum[k] += lambda[row] * jacobian[row * n + k];
+        return sum;
+    };
+    const auto moved = [&](std::size_t k, double by) {
+        std::vector<double> to = x;
+        to[k] += by;
+        return to;
+    };
+    Worst worst;
+    for (std::size_t k = 0; k < n; ++k) {
+        const std::vector<double> up = values_of(set, moved(k, STEP)), down = values_of(set, moved(k, -STEP));
+        for (std::size_t row = 0; row < m; ++row)
+            worst.gradient = std::max(worst.gradient, std::abs((up[row] - down[row]) / (2 * STEP) - jacobian[row * n + k]));
+        const double h = STEP_OF_GRADIENTS;
+        const std::vector<double> g_up = gradient_at(moved(k, h)), g_down = gradient_at(moved(k, -h));
+        for (std::size_t l = 0; l < n; ++l)
+            worst.hessian = std::max(worst.hessian, std::abs((g_up[l] - g_down[l]) / (2 * h) - hessian[k * n + l]));
+    }
+    worst.gradient /= std::max(1.0, largest(jacobian));
+    worst.hessian /= std::max(1.0, largest(hessian));
+    return worst;
+}
+
+}  // namespace
+
+void derivatives(const Data &) {
+    Uniform uniform(5);
+    print_count("derivatives_configurations", CONFIGURATIONS);
+    for (const std::uint32_t dim : {2u, 3u}) {
+        std::vector<Field> fields;
+        for (int i = 0; i < 20; ++i) fields.push_back(made_up_field(dim, uniform));
+        const std::vector<Pose> poses = poses_of(dim);
+        Worst of_kind[4];
+        for (int i = 0; i < CONFIGURATIONS / 2; ++i) {
+            const Pose &a = poses[i % poses.size()], &b = poses[i / poses.size() % poses.size()];
+            const Constraints set = constraints_of(dim);
+            const std::uint32_t frames[] = {add_frame(set, a.rotation, a.scale), add_frame(set, b.rotation, b.scale)};
+            const Body body = body_from(dim, body_points(dim, 1 + i % 5, uniform));
+            const int kind = i / 7 % 4;
+            const ko_aggregation of = aggregation_of(KINDS[kind], 1 + 11 * uniform(), uniform() < 0.5 ? KO_BELOW : KO_ABOVE);
+            keep(set, body, frames[0], fields[i % 20], frames[1], of);
+            keep(set, body, frames[1], fields[(i + 7) % 20], frames[0], of);
+            keep(set, body, frames[0], fields[(i + 3) % 20], KO_WORLD, of);
+            std::vector<double> x;
+            add_parameters(dim, a, uniform, x);
+            add_parameters(dim, b, uniform, x);
+            // One in ten where a frame stands still in the world, so that points lie on the faces of the box.
+            if (i % 10 == 0) std::fill(x.begin(), x.begin() + dim, 0.0);
+            const Worst found = compare(set, x, uniform);
+            of_kind[kind].gradient = std::max(of_kind[kind].gradient, found.gradient);
+            of_kind[kind].hessian = std::max(of_kind[kind].hessian, found.hessian);
+        }
+        for (int kind = 0; kind < 4; ++kind) {
+            const std::string key = "derivatives_" + std::to_string(dim) + "d_" + NAMES[kind];
+            print(key + "_gradient_error", of_kind[kind].gradient);
+            print(key + "_hessian_error", of_kind[kind].hessian);
+        }
+    }
+    print("derivatives_gradient_error_limit", LIMIT_OF_GRADIENTS);
+    print("derivatives_hessian_error_limit", LIMIT_OF_HESSIANS);
+}
+
+}  // namespace bench

@@ -1,0 +1,12 @@
+// What the bench of constraints prints, subject by subject.
+// SPDX-License-Identifier: Apache-2.0 OR MIT
+#pragma once
+
+#include "../program.hpp"
+
+namespace bench {
+
+void derivatives(const Data &data);  // against differences
+void speed(const Data &data);        // beside the field alone
+
+}  // namespace bench

@@ -1,0 +1,346 @@
+//! Sets of constraints against differences of their values, in the plane and in space.
+
+use super::pose::Order;
+use super::*;
+use crate::field::{Feasible, Field};
+use crate::geometry::random::SplitMix64;
+use crate::spline::{Axis, Grid};
+use crate::{Error, Result};
+use std::sync::Arc;
+
+/// A field of random control points on a box around the origin.
+fn field<const D: usize>(random: &mut SplitMix64) -> Arc<Field<D>> {
+    let axes = std::array::from_fn(|a| Axis { lower: -1.0 - 0.1 * a as f64, cell: 0.45, n_cells: 4 + a });
+    let grid = Grid { axes };
+    let c = (0..grid.n_control()).map(|_| random.between(-1.0, 1.0)).collect();
+    Arc::new(Field::from_control_points(grid, c, Feasible::Outside, random.between(1.0, 3.0)).unwrap())
+}
+
+fn body<const D: usize>(n: usize, random: &mut SplitMix64) -> Arc<Body<D>> {
+    let points: Vec<[f64; D]> = (0..n).map(|_| std::array::from_fn(|_| random.between(-0.8, 0.8))).collect();
+    Arc::new(Body::new(&points, 0.0).unwrap())
+}
+
+fn kinds<const D: usize>() -> Vec<PoseKind> {
+    let rotations: &[Rotation] = if D == 2 {
+        &[Rotation::None, Rotation::Angle]
+    } else {
+        &[Rotation::None, Rotation::Quaternion, Rotation::Vector]
+    };
+    let both = [Scale::One, Scale::Free];
+    rotations.iter().flat_map(|&rotation| both.map(|scale| PoseKind { rotation, scale })).collect()
+}
+
+fn parameters<const D: usize>(kind: PoseKind, random: &mut SplitMix64) -> Vec<f64> {
+    let mut q: Vec<f64> = (0..kind.n_parameters::<D>()).map(|_| random.between(-0.7, 0.7)).collect();
+    if kind.rotation == Rotation::Quaternion {
+        q[D] += 1.0;
+    }
+    if kind.scale == Scale::Free {
+        *q.last_mut().unwrap() = random.between(0.7, 1.4);
+    }
+    q
+}
+
+const SMOOTH: [Kind; 4] = [Kind::None, Kind::Ks, Kind::InducedExponential, Kind::PNorm];
+
+fn values<const D: usize>(set: &Constraints<D>, x: &[f64]) -> Vec<f64> {
+    let mut values = vec![0.0; set.size().n_rows];
+    set.values(x, &mut values).unwrap();
+    values
+}
+
+fn dense<const D: usize>(set: &Constraints<D>, x: &[f64]) -> Vec<f64> {
+    let mut jacobian = vec![0.0; set.size().n_rows * set.size().n_variables];
+    set.dense_jacobian(x, &mut jacobian).unwrap();
+    jacobian
+}
+
+/// The whole Hessian, of both triangles.
+fn hessian<const D: usize>(set: &Constraints<D>, x: &[f64], lambda: &[f64]) -> Vec<f64> {
+    let (n, mut entries) = (set.size().n_variables, vec![0.0; set.size().n_hessian]);
+    set.hessian(x, lambda, &mut entries).unwrap();
+    let (mut whole, mut at) = (vec![0.0; n * n], 0);
+    set.hessian_pattern(|row, column| {
+        assert!(column <= row && row < n);
+        (whole[row * n + column], whole[column * n + row]) = (entries[at], entries[at]);
+        at += 1;
+    });
+    assert_eq!(at, entries.len());
+    whole
+}
+
+/// Derivatives against central differences.
+fn derivatives_are_those_of_differences<const D: usize>(
+    set: &Constraints<D>,
+    x: &[f64],
+    random: &mut SplitMix64,
+    text: &str,
+) {
+    let (n, m) = (set.size().n_variables, set.size().n_rows);
+    let jacobian = dense(set, x);
+    let lambda: Vec<f64> = (0..m).map(|_| random.between(-1.0, 1.0)).collect();
+    let whole = hessian(set, x, &lambda);
+    let size = |v: &[f64]| v.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+    let (of_jacobian, of_hessian) = (size(&jacobian), size(&whole));
+    let moved = |v: usize, h: f64| {
+        let mut x = x.to_vec();
+        x[v] += h;
+        x
+    };
+    // Steps so small that hardly a sample crosses a knot, where third derivatives jump.
+    let differences = |v: usize, f: &dyn Fn(&[f64]) -> Vec<f64>| -> Vec<f64> {
+        const STEP: f64 = 1e-5;
+        let [plus, minus] = [STEP, -STEP].map(|h| f(&moved(v, h)));
+        plus.iter().zip(minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect()
+    };
+    for v in 0..n {
+        let slopes = differences(v, &|x| values(set, x));
+        for (row, slope) in slopes.iter().enumerate() {
+            let own = jacobian[row * n + v];
+            assert!((own - slope).abs() < 1e-7 * of_jacobian, "{text}: row {row} by {v}: {own} {slope}");
+        }
+        let bends = differences(v, &|x| {
+            let jacobian = dense(set, x);
+            (0..n).map(|w| (0..m).map(|row| lambda[row] * jacobian[row * n + w]).sum()).collect()
+        });
+        for (w, bend) in bends.iter().enumerate() {
+            let own = whole[v * n + w];
+            assert!((own - bend).abs() < 1e-5 * of_hessian, "{text}: {v} {w}: {own} {bend} of {of_hessian}");
+        }
+    }
+    products_are_those_of_the_jacobian(set, x, &jacobian, random);
+}
+
+fn products_are_those_of_the_jacobian<const D: usize>(
+    set: &Constraints<D>,
+    x: &[f64],
+    dense: &[f64],
+    random: &mut SplitMix64,
+) {
+    let Size { n_variables: n, n_rows: m, n_jacobian, .. } = set.size();
+    let mut entries = vec![0.0; n_jacobian];
+    set.jacobian(x, &mut entries).unwrap();
+    let (mut scattered, mut at, mut last) = (vec![0.0; m * n], 0, 0);
+    set.jacobian_pattern(|row, variable| {
+        assert!(row >= last);
+        last = row;
+        scattered[row * n + variable] += entries[at];
+        at += 1;
+    });
+    assert_eq!((at, &scattered[..]), (n_jacobian, dense));
+    let (mut both, mut same) = (vec![f64::NAN; m], vec![f64::NAN; n_jacobian]);
+    set.values_and_jacobian(x, &mut both, &mut same).unwrap();
+    assert_eq!(same, entries);
+    let apart = both.iter().zip(values(set, x)).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    assert!(apart < 1e-13, "{apart:e}");
+    let v: Vec<f64> = (0..n).map(|_| random.between(-1.0, 1.0)).collect();
+    let w: Vec<f64> = (0..m).map(|_| random.between(-1.0, 1.0)).collect();
+    let (mut jv, mut jtw) = (vec![0.0; m], vec![0.0; n]);
+    set.jacobian_times(x, &v, &mut jv).unwrap();
+    set.transposed_jacobian_times(x, &w, &mut jtw).unwrap();
+    for row in 0..m {
+        let exact: f64 = (0..n).map(|k| dense[row * n + k] * v[k]).sum();
+        assert!((jv[row] - exact).abs() < 1e-12 * (1.0 + exact.abs()));
+    }
+    for k in 0..n {
+        let exact: f64 = (0..m).map(|row| dense[row * n + k] * w[row]).sum();
+        assert!((jtw[k] - exact).abs() < 1e-12 * (1.0 + exact.abs()));
+    }
+}
+
+fn of_kind(kind: Kind, random: &mut SplitMix64) -> Aggregation {
+    let side = if random.unit() < 0.5 { Side::Below } else { Side::Above };
+    Aggregation { kind, sharpness: random.between(1.0, 12.0), side }
+}
+
+fn bodies_in_fields<const D: usize>(seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    for aggregate in SMOOTH {
+        for of_body in kinds::<D>() {
+            for of_field in kinds::<D>() {
+                let mut set = Constraints::<D>::new();
+                let (moving, around) = (set.add_frame(of_body).unwrap(), set.add_frame(of_field).unwrap());
+                let fixed = set.add_fixed_frame(of_field, &parameters::<D>(of_field, &mut random)).unwrap();
+                let n = 1 + (random.bits() % 5) as usize;
+                let (a, b) = (body(n, &mut random), field(&mut random));
+                let of = of_kind(aggregate, &mut random);
+                set.keep_body((a.clone(), moving), (b.clone(), around), of).unwrap();
+                set.keep_body((a.clone(), moving), (field(&mut random), fixed), of).unwrap();
+                // Against each other, both ways, and in a field that stands where it was fitted.
+                set.keep_body((a.clone(), around), (b, moving), of).unwrap();
+                set.keep_body((a, around), (field(&mut random), WORLD), of).unwrap();
+                let mut x = parameters::<D>(of_body, &mut random);
+                x.extend(parameters::<D>(of_field, &mut random));
+                let text = format!("{of:?} {of_body:?} {of_field:?} {n} points, {D}D");
+                derivatives_are_those_of_differences(&set, &x, &mut random, &text);
+            }
+        }
+    }
+}
+
+#[test]
+fn bodies_in_fields_of_the_plane() {
+    bodies_in_fields::<2>(1);
+}
+
+#[test]
+fn bodies_in_fields_of_space() {
+    bodies_in_fields::<3>(2);
+}
+
+fn points_in_fields<const D: usize>(seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    for aggregate in SMOOTH {
+        for of_field in kinds::<D>() {
+            let mut set = Constraints::<D>::new();
+            // Points before the frame and behind it; one set for itself and aggregated.
+            let before = set.add_points(3).unwrap();
+            let frame = set.add_frame(of_field).unwrap();
+            let behind = set.add_points(2).unwrap();
+            let of = of_kind(aggregate, &mut random);
+            set.keep_points(before, (field(&mut random), frame), of_kind(Kind::None, &mut random)).unwrap();
+            set.keep_points(before, (field(&mut random), frame), of).unwrap();
+            set.keep_points(behind, (field(&mut random), frame), of).unwrap();
+            set.keep_points(behind, (field(&mut random), WORLD), of).unwrap();
+            let mut x: Vec<f64> = (0..3 * D).map(|_| random.between(-1.0, 1.0)).collect();
+            x.extend(parameters::<D>(of_field, &mut random));
+            x.extend((0..2 * D).map(|_| random.between(-1.0, 1.0)));
+            derivatives_are_those_of_differences(&set, &x, &mut random, &format!("{of:?} {of_field:?} {D}D"));
+        }
+    }
+}
+
+#[test]
+fn points_in_fields_of_the_plane() {
+    points_in_fields::<2>(3);
+}
+
+#[test]
+fn points_in_fields_of_space() {
+    points_in_fields::<3>(4);
+}
+
+/// More samples than a block has, on its faces and outside too: aggregates are those of the values one by one.
+fn aggregates_are_those_of_the_values<const D: usize>(seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    let (field, kind) = (field::<D>(&mut random), PoseKind { rotation: Rotation::None, scale: Scale::Free });
+    let n = 700;
+    let points: Vec<[f64; D]> = (0..n)
+        .map(|i| {
+            std::array::from_fn(|a| {
+                let axis = field.grid().axes[a];
+                let xi = random.between(-1.0, axis.n_cells as f64 + 1.0);
+                axis.lower + axis.cell * if (i + a) % 3 == 0 { xi.round() } else { xi }
+            })
+        })
+        .collect();
+    let body = Arc::new(Body::new(&points, 0.1).unwrap());
+    for kind_of in [Kind::Ks, Kind::InducedExponential, Kind::PNorm, Kind::Minimum] {
+        for side in [Side::Below, Side::Above] {
+            let of = Aggregation { kind: kind_of, sharpness: 40.0, side };
+            let mut set = Constraints::<D>::new();
+            let frame = set.add_frame(kind).unwrap();
+            set.keep_body((body.clone(), frame), (field.clone(), WORLD), of).unwrap();
+            let each = Aggregation { kind: Kind::None, ..of };
+            set.keep_body((body.clone(), frame), (field.clone(), WORLD), each).unwrap();
+            let mut x = vec![0.0; D + 1];
+            x[D] = 1.0;
+            let values = values(&set, &x);
+            let mut weights = vec![0.0; n];
+            let wanted = Derivatives { gradient: Some(&mut weights), hessian: None };
+            let one = aggregate(of, Extreme::Least, field.diagonal(), &values[1..], wanted).unwrap();
+            assert!((values[0] - one).abs() < 1e-12, "{of:?}: {} {one}", values[0]);
+            let jacobian = dense(&set, &x);
+            for k in 0..D + 1 {
+                let chained: f64 = (0..n).map(|i| weights[i] * jacobian[(1 + i) * (D + 1) + k]).sum();
+                assert!((jacobian[k] - chained).abs() < 1e-11, "{of:?}: {} {chained}", jacobian[k]);
+            }
+        }
+    }
+}
+
+#[test]
+fn aggregates_over_many_blocks_are_those_of_the_values() {
+    aggregates_are_those_of_the_values::<2>(5);
+    aggregates_are_those_of_the_values::<3>(6);
+}
+
+/// The field moved one way is the body moved the other.
+#[test]
+fn only_the_relative_pose_counts() {
+    let mut random = SplitMix64::new(7);
+    let kind = PoseKind { rotation: Rotation::Quaternion, scale: Scale::Free };
+    let (field, body) = (field::<3>(&mut random), body(50, &mut random));
+    for _ in 0..20 {
+        let (q, shared) = (parameters::<3>(kind, &mut random), parameters::<3>(kind, &mut random));
+        let value = |of_body: &[f64], of_field: &[f64]| {
+            let mut set = Constraints::<3>::new();
+            let frames = [of_body, of_field].map(|q| set.add_fixed_frame(kind, q).unwrap());
+            set.keep_body((body.clone(), frames[0]), (field.clone(), frames[1]), Aggregation::default()).unwrap();
+            values(&set, &[])[0]
+        };
+        let moved = |q: &[f64], by: &[f64]| -> Vec<f64> {
+            // by after q: s = s_2 s_1, R = R_2 R_1 as quaternions, t = s_2 R_2 t_1 + t_2.
+            let pose = pose::Pose::<3>::at(kind, by, Order::Value).unwrap();
+            let t = matrix::applied(&pose.linear, [q[0], q[1], q[2]]);
+            let (a, b) = (&by[3..7], &q[3..7]);
+            let mut both: Vec<f64> = (0..3).map(|k| t[k] + by[k]).collect();
+            both.extend([
+                a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+                a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+                a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+                a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+                q[7] * by[7],
+            ]);
+            both
+        };
+        let identity = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let (alone, together) = (value(&q, &identity), value(&moved(&q, &shared), &shared));
+        assert!((together - shared[7] * alone).abs() < 1e-12, "{together} {alone}");
+    }
+}
+
+#[test]
+fn bad_requests_are_refused_and_change_nothing() {
+    let mut random = SplitMix64::new(8);
+    let (field, body) = (field::<3>(&mut random), body::<3>(3, &mut random));
+    let mut set = Constraints::<3>::new();
+    let frame = set.add_frame(PoseKind { rotation: Rotation::Quaternion, scale: Scale::Free }).unwrap();
+    let minimum = Aggregation { kind: Kind::Minimum, ..Aggregation::default() };
+    set.keep_body((body.clone(), frame), (field.clone(), WORLD), minimum).unwrap();
+    let before = set.size();
+    let text = |end: Result<usize>| end.unwrap_err().to_string();
+    let ks = Aggregation::default();
+    assert!(text(set.keep_body((body.clone(), FrameId(7)), (field.clone(), WORLD), ks)).contains("no frame 7"));
+    assert!(text(set.keep_body((body.clone(), frame), (field.clone(), frame), ks)).contains("both move with frame 1"));
+    assert!(text(set.keep_points(PointsId(0), (field.clone(), WORLD), ks)).contains("no set of points 0"));
+    assert!(
+        text(set.keep_body((body.clone(), frame), (field, WORLD), Aggregation { sharpness: f64::NAN, ..ks }))
+            .contains("NaN")
+    );
+    assert!(set.add_frame(PoseKind { rotation: Rotation::Angle, scale: Scale::One }).is_err());
+    assert!(set.add_points(0).is_err() && set.add_points(usize::MAX).is_err());
+    assert!(set.add_fixed_frame(PoseKind { rotation: Rotation::None, scale: Scale::One }, &[0.0; 2]).is_err());
+    assert_eq!(set.size(), before);
+
+    let mut one = [0.0];
+    let mut x = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    set.values(&x, &mut one).unwrap();
+    assert!(set.values(&x[1..], &mut one).unwrap_err().to_string().contains("7 entries; there are 8 variables"));
+    assert!(set.values(&x, &mut []).is_err());
+    let mut entries = vec![0.0; set.size().n_hessian];
+    assert!(matches!(set.hessian(&x, &[1.0], &mut entries), Err(Error::Unsupported(_))));
+    set.hessian(&x, &[0.0], &mut entries).unwrap();
+    x[7] = 0.0;
+    assert!(
+        set.values(&x, &mut one)
+            .unwrap_err()
+            .to_string()
+            .contains("frame 1, with variables from 0 on: parameter 7 is the scale 0")
+    );
+    x[2] = f64::NAN;
+    assert!(set.values(&x, &mut one).unwrap_err().to_string().contains("variable 2 is NaN"));
+    (x[2], x[7]) = (1e200, 1.0);
+    assert!(set.values(&x, &mut one).unwrap_err().to_string().contains("samples of value 0"));
+}
