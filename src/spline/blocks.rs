@@ -12,6 +12,7 @@
 
 use super::assembled::Assembled;
 use super::gram::{Band, HALF_BAND};
+use super::place_of;
 use crate::Result;
 use crate::error::{try_reserve_exact, try_vec, try_with_capacity};
 use crate::isa::{Isa, Kernel, dispatch};
@@ -199,7 +200,7 @@ impl Blocks {
         }
         let n = self.layers() * EDGE * EDGE;
         let mut rows = try_vec(n * (n + 1) / 2, [0.0; LANES], "the smoother")?;
-        let local = |m: usize| [m / (EDGE * EDGE), m / EDGE % EDGE, m % EDGE];
+        let local = |m: usize| place_of(m, [EDGE; 3]);
         let entry = |p: usize, q: usize| {
             let (p, q) = (local(p), local(q));
             let at = |band: &Band, a: usize| band[start[a] + p[a]][HALF_BAND + q[a] - p[a]];
@@ -216,8 +217,7 @@ impl Blocks {
     }
 
     fn place(&self, p: usize) -> [usize; 3] {
-        let [_, ny, nz] = self.shape;
-        [p / (ny * nz), p / nz % ny, p % nz]
+        place_of(p, self.shape)
     }
 
     /// Control points of a block along x.
@@ -259,8 +259,7 @@ impl Blocks {
 
     /// Fills one lane with the lower triangle of a block, scaled to a diagonal of 1.
     fn fill(&self, matrix: &Assembled, first: usize, rows: &mut [[f64; LANES]], lane: usize) {
-        let [_, ny, nz] = self.shape;
-        let (i0, j0, k0) = (first / (ny * nz), first / nz % ny, first % nz);
+        let [i0, j0, k0] = self.place(first);
         let mut scale = [0.0; EDGE * EDGE * EDGE];
         scale.iter_mut().zip(self.members(first)).for_each(|(s, p)| *s = self.scale[p]);
         let lines = self.layers() * EDGE;
