@@ -505,6 +505,38 @@ static void single_points_are_sparse(void) {
     ko_field_free(field);
 }
 
+/* Far away, where a last bit of phi is many units of 1 / rho, gradients stay finite, and those of each sample at most that of phi. */
+static void far_points_are_served(void) {
+    ko_field *field = check_made_field(3);
+    const double places[] = {1e6, 1e10, 1e14, 1e16, 1e20, 1e100};
+    for (int k = 0; k < 3; k++) {
+        ko_aggregation aggregation = check_aggregation(smooth_kinds[k]);
+        aggregation.sharpness = 1e9;
+        ko_constraints *set = NULL;
+        uint32_t points = 0;
+        OK(ko_constraints_create(3, &set));
+        OK(ko_constraints_add_points(set, 4, &points));
+        OK(ko_constraints_keep_points(set, points, field, KO_WORLD, &aggregation, NULL));
+        for (size_t p = 0; p < sizeof places / sizeof *places; p++) {
+            double *x = check_points(12, 1e-9 * places[p], p), lambda = 1.0, entries[12], hessian[78];
+            for (int i = 0; i < 4; i++) {
+                x[3 * i] = places[p];
+            }
+            OK(ko_constraints_jacobian(set, x, 12, 12, entries));
+            OK(ko_constraints_hessian(set, x, 12, &lambda, 1, 78, hessian));
+            for (int i = 0; i < 12; i++) {
+                CHECK(fabs(entries[i]) < 2.0);
+            }
+            for (int i = 0; i < 78; i++) {
+                CHECK(isfinite(hessian[i]));
+            }
+            free(x);
+        }
+        ko_constraints_free(set);
+    }
+    ko_field_free(field);
+}
+
 /* ---- handles ---- */
 
 /* Bodies and fields may go first, and what was made with them stays to the bit. */
@@ -564,5 +596,6 @@ int main(void) {
         empty_sets_are_served(dim);
     }
     single_points_are_sparse();
+    far_points_are_served();
     return check_result();
 }

@@ -345,6 +345,35 @@ static void variables_out_of_range_are_named(void) {
     ko_constraints_free(set);
 }
 
+/* Samples are counted through, not from the first of those that are evaluated together. */
+static void samples_out_of_range_are_named(void) {
+    enum { N_MANY = 400 };
+    ko_field *field = check_made_field(3);
+    double *x = check_points(N_MANY, 0.5, 1), values[N_MANY], entries[3 * N_MANY], lambda[N_MANY];
+    double *hessian = malloc(sizeof *hessian * 3 * N_MANY * (3 * N_MANY + 1) / 2);
+    for (int i = 0; i < N_MANY; i++) {
+        lambda[i] = 1.0;
+    }
+    x[3 * 300 + 1] = 1e200;
+    for (int32_t kind = KO_AGGREGATE_NONE; kind <= KO_AGGREGATE_P_NORM; kind++) {
+        ko_aggregation aggregation = check_aggregation(kind);
+        ko_constraints *set = NULL;
+        uint32_t points = 0;
+        size_t n = 0, m = 0, n_jacobian = 0, n_hessian = 0;
+        OK(ko_constraints_create(3, &set));
+        OK(ko_constraints_add_points(set, N_MANY, &points));
+        OK(ko_constraints_keep_points(set, points, field, KO_WORLD, &aggregation, NULL));
+        OK(ko_constraints_get_size(set, &n, &m, &n_jacobian, &n_hessian));
+        FAILS(ko_constraints_values(set, x, n, m, values), KO_ERR_INVALID_ARGUMENT, "point 300 is ");
+        FAILS(ko_constraints_jacobian(set, x, n, n_jacobian, entries), KO_ERR_INVALID_ARGUMENT, "point 300 is ");
+        FAILS(ko_constraints_hessian(set, x, n, lambda, m, n_hessian, hessian), KO_ERR_INVALID_ARGUMENT, "point 300 is ");
+        ko_constraints_free(set);
+    }
+    free(x);
+    free(hessian);
+    ko_field_free(field);
+}
+
 static void lengths_are_checked(void) {
     ko_constraints *set = make_set();
     const double x[N + 1] = {0.1, 0.2, 0.3, 1, 0, 0, 0, 0.3, 0.2, 0.1}, w[M + 1] = {1, 1, 1, 1, 1};
@@ -460,6 +489,7 @@ int main(void) {
     what_cannot_be_added_is_refused();
     what_cannot_be_kept_is_refused();
     variables_out_of_range_are_named();
+    samples_out_of_range_are_named();
     lengths_are_checked();
     arrays_that_are_required_are_asked_for();
     poses_out_of_range_are_named();

@@ -1468,7 +1468,7 @@ int32_t ko_constraints_jacobian_pattern(const struct ko_constraints *constraints
                                         int32_t *columns);
 
 /**
- * Evaluates the Jacobian at `x` [n_variables]: `values` [n_entries] in the order of `ko_constraints_jacobian_pattern`.
+ * Evaluates the Jacobian at `x` [n_variables]: `entries` [n_entries] in the order of `ko_constraints_jacobian_pattern`.
  *
  * Errors and threads: those of `ko_constraints_values`. Cost: some 1.3 times `ko_field_eval` with gradients at the same points for bodies,
  * twice that for points that are aggregated; no allocation, no lock.
@@ -1477,7 +1477,7 @@ int32_t ko_constraints_jacobian(const struct ko_constraints *constraints,
                                 const double *x,
                                 size_t n_variables,
                                 size_t n_entries,
-                                double *values);
+                                double *entries);
 
 /**
  * Evaluates values and Jacobian at once, in one pass over the samples of bodies: `values` [n_values] and `entries` [n_entries], as

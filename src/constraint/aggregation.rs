@@ -160,6 +160,8 @@ pub(super) struct Aggregate {
     sums: SoftMin,
     /// What it is moved by, in y, to its side.
     moved: f64,
+    /// The KS of y, moved.
+    soft: f64,
 }
 
 /// How an aggregate changes with the value of one sample.
@@ -181,12 +183,8 @@ impl Aggregate {
             (Kind::InducedExponential, Side::Below) => -of.reach(n),
             _ => 0.0,
         };
-        Aggregate { of, unit, sums, moved }
-    }
-
-    /// The KS of y.
-    fn soft(&self) -> f64 {
-        self.sums.least - self.sums.sum.ln() / self.of.sharpness + self.moved
+        let soft = sums.least - sums.sum.ln() / of.sharpness + moved;
+        Aggregate { of, unit, sums, moved, soft }
     }
 
     /// The value.
@@ -194,9 +192,9 @@ impl Aggregate {
         let SoftMin { least, sum, first } = self.sums;
         self.unit
             * match self.of.kind {
-                Kind::Ks => self.soft(),
+                Kind::Ks => self.soft,
                 Kind::InducedExponential => least + first / sum + self.moved,
-                Kind::PNorm => self.soft().sinh(),
+                Kind::PNorm => self.soft.sinh(),
                 Kind::Minimum | Kind::None => least,
             }
     }
@@ -206,7 +204,7 @@ impl Aggregate {
         let SoftMin { sum, first, .. } = self.sums;
         match self.of.kind {
             Kind::InducedExponential => [(1.0 + self.of.sharpness * first / sum) / sum, -self.of.sharpness / sum],
-            Kind::PNorm => [self.soft().cosh() / sum, 0.0],
+            Kind::PNorm => [self.soft.cosh() / sum, 0.0],
             _ => [1.0 / sum, 0.0],
         }
     }
@@ -215,17 +213,19 @@ impl Aggregate {
     pub fn weight(&self, phi: f64) -> SampleWeight {
         let SoftMin { least, sum, first } = self.sums;
         let (rho, d) = (self.of.sharpness, self.unit);
-        let x = phi / d;
-        let share = (-rho * (y_of(self.of.kind, x) - least)).exp() / sum;
+        // Rounded as in the sums, and none below the least: far away a last bit would be a large exponent.
+        let x = phi * (1.0 / d);
+        let y = y_of(self.of.kind, x).max(least);
+        let share = (-rho * (y - least)).exp() / sum;
         match self.of.kind {
             Kind::InducedExponential => {
-                let w = share * (1.0 - rho * (x - least - first / sum));
+                let w = share * (1.0 - rho * (y - least - first / sum));
                 SampleWeight { share, first: w, second: -rho / d * (w + share) }
             }
             Kind::PNorm => {
                 // y' = 1 / sqrt(1 + x^2), y'' = -x y'^3
                 let slope = slope(x);
-                let c = self.soft().cosh();
+                let c = self.soft.cosh();
                 let second = c / d * share * slope * slope * (-rho - x * slope);
                 SampleWeight { share, first: c * share * slope, second }
             }
@@ -240,8 +240,8 @@ impl Aggregate {
             Kind::Ks => [rho / d, 0.0],
             Kind::InducedExponential => [0.0, rho / d],
             Kind::PNorm => {
-                let (sinh, cosh) = (self.soft().sinh(), self.soft().cosh());
-                [(sinh + rho * cosh) / (d * cosh * cosh), 0.0]
+                // (sinh + rho cosh) / cosh^2
+                [(self.soft.tanh() + rho) / (d * self.soft.cosh()), 0.0]
             }
             Kind::Minimum | Kind::None => [0.0; 2],
         }
@@ -326,7 +326,7 @@ fn first_extreme(values: &[f64], sign: f64, gradient: Option<&mut [f64]>) -> f64
 }
 
 fn sums(of: Aggregation, unit: f64, values: &[f64], sign: f64) -> SoftMin {
-    let y = |v: &f64| y_of(of.kind, sign * v / unit);
+    let y = |v: &f64| y_of(of.kind, sign * v * (1.0 / unit));
     let least = values.iter().map(y).fold(f64::INFINITY, f64::min);
     values.iter().fold(SoftMin { least, ..SoftMin::EMPTY }, |s, v| {
         let t = y(v) - least;

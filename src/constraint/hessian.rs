@@ -88,7 +88,8 @@ impl<const D: usize> Term<D> {
             return Ok(());
         }
         if !self.aggregation.is_smooth() {
-            let text = format!("row {} is a minimum, which is not smooth and has no Hessian; take KS", self.first_row);
+            let text =
+                format!("value {} is a minimum, which is not smooth and has no Hessian; take KS", self.first_row);
             return Err(Error::Unsupported(text));
         }
         let aggregate = if self.aggregation.is_one() { Some(self.aggregate(x, relative)?.0) } else { None };
@@ -135,7 +136,7 @@ impl<const D: usize> Second<'_, D> {
             gradients: Some(&mut block.block.gradients[..n]),
             hessians: Some(&mut block.hessians[..n * (D * (D + 1) / 2)]),
         };
-        self.term.field.eval(&block.block.z[..n], outputs)?;
+        self.term.field.eval_from(range.start, &block.block.z[..n], outputs)?;
         for (i, sample) in range.enumerate() {
             block.weights[i] = match &self.aggregate {
                 Some(aggregate) => aggregate.weight(block.block.phi[i]),

@@ -1,7 +1,8 @@
 //! Where the entries of a Hessian stand: blocks of variables against variables, each pair of variables once, in its lower triangle.
 
-use crate::error::try_reserve;
+use crate::error::{try_reserve, try_reserve_entry};
 use crate::{Error, Result};
+use std::collections::HashMap;
 
 /// Neighbouring variables: those of a frame, or the coordinates of a set of points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,8 +54,21 @@ pub struct BlockOf {
 #[derive(Debug, Clone, Default)]
 pub struct Layout {
     blocks: Vec<Block>,
+    /// Number of the block of two spans, by their first variables, rows first: spans that begin together are the same.
+    numbers: HashMap<[usize; 2], usize>,
     n_entries: usize,
 }
+
+/// A layout as it was.
+pub struct Mark {
+    n_blocks: usize,
+    n_entries: usize,
+    /// A block that may be widened.
+    block: Option<(usize, Block)>,
+}
+
+/// What the memory is for, should it run out.
+const WHAT: &str = "the pattern of the Hessian";
 
 /// Entries of a pattern, at most: numbers of them fit all integers that optimisers take.
 const MOST_ENTRIES: u128 = i32::MAX as u128;
@@ -74,15 +88,13 @@ impl Layout {
     }
 
     fn find_or_add(&mut self, rows: Span, columns: Span, shape: Shape) -> Result<usize> {
-        let same = |b: &Block| (b.rows, b.columns) == (rows, columns);
+        let (spans, block) = ([rows.first, columns.first], Block { rows, columns, shape, offset: self.n_entries });
+        let found = self.numbers.get(&spans).copied();
         // Each point against itself is part of all against all.
-        let serves = |b: &Block| same(b) && (b.shape == shape || b.shape == Shape::Lower);
-        if let Some(index) = self.blocks.iter().position(serves) {
+        if let Some(index) = found.filter(|i| [shape, Shape::Lower].contains(&self.blocks[*i].shape)) {
             return Ok(index);
         }
-        let widened = self.blocks.iter().position(same);
-        let block = Block { rows, columns, shape, offset: 0 };
-        let fewer = widened.map_or(0, |index| self.blocks[index].n_entries());
+        let fewer = found.map_or(0, |index| self.blocks[index].n_entries());
         let total = self.n_entries as u128 + block.n_entries() - fewer;
         if total > MOST_ENTRIES {
             return Err(Error::InvalidArgument(format!(
@@ -90,20 +102,44 @@ impl Layout {
                  couples all of them"
             )));
         }
-        let index = widened.unwrap_or(self.blocks.len());
-        if widened.is_some() {
+        if let Some(index) = found {
             self.blocks[index] = block;
-        } else {
-            try_reserve(&mut self.blocks, 1, "the pattern of the Hessian")?;
-            self.blocks.push(block);
+            self.renew_offsets();
+            return Ok(index);
         }
+        try_reserve(&mut self.blocks, 1, WHAT)?;
+        try_reserve_entry(&mut self.numbers, WHAT)?;
+        self.numbers.insert(spans, self.blocks.len());
+        self.blocks.push(block);
+        self.n_entries = total as usize;
+        Ok(self.blocks.len() - 1)
+    }
+
+    fn renew_offsets(&mut self) {
         let mut offset = 0;
         for block in &mut self.blocks {
             block.offset = offset;
             offset += block.n_entries() as usize;
         }
         self.n_entries = offset;
-        Ok(index)
+    }
+
+    /// The layout as it is, to go back to; of the blocks only that of `span` against itself may be widened until then.
+    pub fn mark(&self, span: Option<Span>) -> Mark {
+        let index = span.and_then(|s| self.numbers.get(&[s.first, s.first]).copied());
+        Mark { n_blocks: self.blocks.len(), n_entries: self.n_entries, block: index.map(|i| (i, self.blocks[i])) }
+    }
+
+    /// Goes back to what was marked.
+    pub fn go_back(&mut self, mark: Mark) {
+        for block in self.blocks.drain(mark.n_blocks..) {
+            self.numbers.remove(&[block.rows.first, block.columns.first]);
+        }
+        if let Some((index, block)) = mark.block {
+            self.blocks[index] = block;
+        }
+        self.renew_offsets();
+        debug_assert_eq!(self.n_entries, mark.n_entries);
     }
 
     /// Entries in all.
@@ -187,6 +223,23 @@ mod tests {
         assert_eq!((layout.n_entries(), whole.index), (21 + 3, each.index));
         assert_eq!(layout.of_points(points, 2).unwrap(), each);
         assert_eq!(entries(&layout)[layout.index(each, 5, 4)], (5, 4));
+    }
+
+    #[test]
+    fn what_is_marked_comes_back() {
+        let (points, other) = (Span { first: 0, n: 6 }, Span { first: 6, n: 2 });
+        let mut layout = Layout::default();
+        layout.of_points(points, 2).unwrap();
+        layout.between(other, other).unwrap();
+        let before = entries(&layout);
+        let mark = layout.mark(Some(points));
+        layout.between(points, points).unwrap();
+        layout.between(points, other).unwrap();
+        assert_eq!(layout.n_entries(), 21 + 3 + 12);
+        layout.go_back(mark);
+        assert_eq!(entries(&layout), before);
+        layout.between(points, other).unwrap();
+        assert_eq!(layout.n_entries(), before.len() + 12);
     }
 
     #[test]

@@ -186,12 +186,18 @@ impl<const D: usize> Constraints<D> {
         let n_jacobian =
             fits(self.n_jacobian as u128 + term.n_rows() as u128 * a_row as u128, "entries of the Jacobian")?;
         try_reserve(&mut self.terms, 1, WHAT)?;
-        // Aside: what fails leaves the set as it was.
-        let mut layout = self.layout.clone();
-        term.blocks = blocks_of(&term, spans, &mut layout)?;
+        let mark = self.layout.mark(term.points());
+        match blocks_of(&term, spans, &mut self.layout) {
+            Ok(blocks) => term.blocks = blocks,
+            Err(error) => {
+                self.layout.go_back(mark);
+                return Err(error);
+            }
+        }
+        let first_row = term.first_row;
         self.terms.push(term);
-        (self.layout, self.n_rows, self.n_jacobian) = (layout, n_rows, n_jacobian);
-        Ok(self.terms[self.terms.len() - 1].first_row)
+        (self.n_rows, self.n_jacobian) = (n_rows, n_jacobian);
+        Ok(first_row)
     }
 
     fn check_frame(&self, FrameId(frame): FrameId) -> Result<()> {
@@ -325,10 +331,10 @@ impl<const D: usize> Constraints<D> {
         })
     }
 
-    /// The Jacobian's entries at `x` [n_variables], `values` [n_jacobian] in the order of the pattern.
-    pub fn jacobian(&self, x: &[f64], values: &mut [f64]) -> Result<()> {
-        check_length("values", values.len(), self.n_jacobian, "entries")?;
-        self.entries(x, |entry| values[entry.index] = entry.value)
+    /// The Jacobian's entries at `x` [n_variables], `entries` [n_jacobian] in the order of the pattern.
+    pub fn jacobian(&self, x: &[f64], entries: &mut [f64]) -> Result<()> {
+        check_length("entries", entries.len(), self.n_jacobian, "entries")?;
+        self.entries(x, |entry| entries[entry.index] = entry.value)
     }
 
     /// The Jacobian at `x` [n_variables] as a whole, `jacobian` [n_rows x n_variables], row-major.
@@ -360,15 +366,15 @@ impl<const D: usize> Constraints<D> {
         self.layout.for_each(entry);
     }
 
-    /// The Hessian of the sum of the values times `lambda` [n_rows] at `x` [n_variables]: `values` [n_hessian] in the order of the pattern.
-    pub fn hessian(&self, x: &[f64], lambda: &[f64], values: &mut [f64]) -> Result<()> {
+    /// The Hessian of the sum of the values times `lambda` [n_rows] at `x` [n_variables]: `entries` [n_hessian] in the order of the pattern.
+    pub fn hessian(&self, x: &[f64], lambda: &[f64], entries: &mut [f64]) -> Result<()> {
         check_length("lambda", lambda.len(), self.n_rows, "values")?;
-        check_length("values", values.len(), self.layout.n_entries(), "entries")?;
+        check_length("entries", entries.len(), self.layout.n_entries(), "entries")?;
         check_variables(lambda, "multiplier")?;
-        values.fill(0.0);
+        entries.fill(0.0);
         self.for_each(x, Order::Second, |term, relative| {
             let lambda = &lambda[term.first_row..term.first_row + term.n_rows()];
-            term.add_hessian(x, relative, lambda, &self.layout, values)
+            term.add_hessian(x, relative, lambda, &self.layout, entries)
         })
     }
 }
@@ -400,8 +406,7 @@ fn blocks_of<const D: usize>(term: &Term<D>, spans: [Option<Span>; 2], layout: &
             *block = Some(layout.between(one, other)?);
         }
     }
-    if let Samples::Points { first_variable, n } = term.samples {
-        let points = Span { first: first_variable, n: D * n };
+    if let Some(points) = term.points() {
         let own =
             if term.aggregation.is_one() { layout.between(points, points)? } else { layout.of_points(points, D)? };
         blocks.points[0] = Some(own);

@@ -5,7 +5,7 @@
 
 use super::aggregation::{Aggregate, Aggregation, Kind, SampleWeight, SoftMin};
 use super::body::{Body, with_one};
-use super::layout::BlockOf;
+use super::layout::{BlockOf, Span};
 use super::matrix::{Affine, applied_transposed};
 use super::moments::{BLOCK, Exponentials, Moments, Place};
 use super::relative::Relative;
@@ -105,6 +105,14 @@ impl<const D: usize> Term<D> {
         }
     }
 
+    /// The variables of points, where these are what is sampled.
+    pub fn points(&self) -> Option<Span> {
+        match self.samples {
+            Samples::Body(_) => None,
+            Samples::Points { first_variable, n } => Some(Span { first: first_variable, n: D * n }),
+        }
+    }
+
     /// How many values.
     pub fn n_rows(&self) -> usize {
         if self.aggregation.is_one() { 1 } else { self.n_samples() }
@@ -144,11 +152,11 @@ impl<const D: usize> Term<D> {
     }
 
     fn look_up(&self, x: &[f64], map: &Affine<D>, range: Range<usize>, block: &mut Block<D>) -> Result<()> {
-        let n = range.len();
+        let (first, n) = (range.start, range.len());
         self.place(x, map, range, block);
         let outputs =
             Outputs { values: Some(&mut block.phi[..n]), gradients: Some(&mut block.gradients[..n]), hessians: None };
-        self.field.eval(&block.z[..n], outputs)
+        self.field.eval_from(first, &block.z[..n], outputs)
     }
 
     /// The values, one a row.
@@ -161,7 +169,8 @@ impl<const D: usize> Term<D> {
         for range in blocks(0..self.n_samples()) {
             self.place(x, &relative.map, range.clone(), &mut block);
             let values = &mut values[range.clone()];
-            self.field.eval(&block.z[..range.len()], Outputs { values: Some(values), ..Outputs::default() })?;
+            let outputs = Outputs { values: Some(&mut *values), ..Outputs::default() };
+            self.field.eval_from(range.start, &block.z[..range.len()], outputs)?;
             values.iter_mut().for_each(|v| *v *= relative.scale);
         }
         Ok(())
@@ -174,7 +183,8 @@ impl<const D: usize> Term<D> {
             let n = range.len();
             self.place(x, &relative.map, range.clone(), &mut block);
             let phi = &mut block.phi[..n];
-            self.field.eval(&block.z[..n], Outputs { values: Some(phi), ..Outputs::default() })?;
+            let outputs = Outputs { values: Some(&mut *phi), ..Outputs::default() };
+            self.field.eval_from(range.start, &block.z[..n], outputs)?;
             if self.aggregation.kind == Kind::Minimum {
                 least = (range.start..).zip(phi.iter()).fold(least, |m, (i, v)| if *v < m.0 { (*v, i) } else { m });
             } else {

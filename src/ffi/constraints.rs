@@ -322,7 +322,7 @@ pub unsafe extern "C" fn ko_constraints_jacobian_pattern(
     })
 }
 
-/// Evaluates the Jacobian at `x` [n_variables]: `values` [n_entries] in the order of `ko_constraints_jacobian_pattern`.
+/// Evaluates the Jacobian at `x` [n_variables]: `entries` [n_entries] in the order of `ko_constraints_jacobian_pattern`.
 ///
 /// Errors and threads: those of `ko_constraints_values`. Cost: some 1.3 times `ko_field_eval` with gradients at the same points for bodies,
 /// twice that for points that are aggregated; no allocation, no lock.
@@ -332,14 +332,18 @@ pub unsafe extern "C" fn ko_constraints_jacobian(
     x: *const f64,
     n_variables: usize,
     n_entries: usize,
-    values: *mut f64,
+    entries: *mut f64,
 ) -> i32 {
     guard(|| {
         // SAFETY: the header asks for constraints and arrays of these lengths.
-        let (ko_constraints(set), x, values) = unsafe {
-            (object(constraints, "constraints")?, array(x, n_variables, "x")?, array_mut(values, n_entries, "values")?)
+        let (ko_constraints(set), x, entries) = unsafe {
+            (
+                object(constraints, "constraints")?,
+                array(x, n_variables, "x")?,
+                array_mut(entries, n_entries, "entries")?,
+            )
         };
-        in_its_dimension!(set, set => set.jacobian(x, values))
+        in_its_dimension!(set, set => set.jacobian(x, entries))
     })
 }
 

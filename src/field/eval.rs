@@ -119,7 +119,7 @@ impl<const D: usize> Field<D> {
     }
 
     /// Evaluates one part of a batch, the first point of which has index `first` in it.
-    fn eval_from(&self, first: usize, points: &[[f64; D]], outputs: Outputs<D>) -> Result<()> {
+    pub(crate) fn eval_from(&self, first: usize, points: &[[f64; D]], outputs: Outputs<D>) -> Result<()> {
         isa::dispatch(Batch { field: self, first, points, outputs })
     }
 }
