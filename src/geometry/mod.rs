@@ -35,6 +35,7 @@ pub mod bounds;
 mod bvh;
 mod chains;
 pub mod cloud;
+mod components;
 mod crossings;
 pub mod distance;
 mod edges;
