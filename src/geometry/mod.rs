@@ -68,6 +68,7 @@ pub mod write;
 pub use bounds::Bounds;
 pub use chains::Polylines;
 pub use cloud::{Cloud, Origin};
+pub(crate) use distance::HalfSpace;
 pub use distance::{ClosestPoint, DistanceTree};
 pub use mesh::Mesh;
 pub use polylines::Ends;
