@@ -8,6 +8,7 @@
 // `values` [n_points] is a shape, not a link.
 #![allow(rustdoc::broken_intra_doc_links)]
 
+mod certify;
 mod cloud;
 mod field;
 mod fit_options;
@@ -22,6 +23,7 @@ mod smooth;
 mod status;
 mod version;
 
+pub use certify::*;
 pub use cloud::*;
 pub use field::*;
 pub use fit_options::*;

@@ -2,7 +2,7 @@
 //!
 //! In a cell, or beyond it as far as its polynomial P is continued, P lies between its Bezier points on the part ([`hull`]): these are
 //! blossoms, for which it does not matter that the part is not in the cell. What is made of P beyond a face is in
-//! [`outside`](super::outside).
+//! `outside`.
 
 use super::parts::{Cells, Part, Stand};
 use crate::spline::hull::{self, Window};

@@ -2,7 +2,7 @@
 //!
 //! A box is left alone where that set does not meet it: where the exact distance of its centre c is more than `reach` + h, h half its
 //! diagonal, and it is on the feasible side. It does not meet the shape then, so that all of it is on the side of c. In a box on the feasible
-//! side that stays in play only what lies in a half-space counts: [`half_space`](crate::geometry::DistanceTree::half_space).
+//! side that stays in play only what lies in a half-space counts: `geometry::distance::half_space`.
 
 use super::parts::{Cells, Part};
 use super::search::{Look, Problem};

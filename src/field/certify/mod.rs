@@ -24,9 +24,15 @@
 //! winding number is then an integer that changes only on M; points with 1/2 or more are inside. For other meshes S is what is within d + r
 //! of M, on both sides, and 1 to 4 prove the clearance alone.
 //!
-//! **How it is found.** By branch and bound ([`search`]) over parts of cells and of what is continued from them ([`parts`]), with phi between
-//! its Bezier points ([`bounds`]) and what is made of them beyond the box ([`outside`]): the largest phi on S ([`clearance`]), the largest |phi| on M ([`surface`]), the largest |grad phi|
-//! ([`steepness`]).
+//! **How it is found.** By branch and bound (`search`) over parts of cells and of what is continued from them (`parts`), with phi between its
+//! Bezier points (`bounds`) and what is made of them beyond the box (`outside`): the largest phi on S (`clearance`), the largest |phi| on M
+//! (`surface`), the largest |grad phi| (`steepness`).
+//!
+//! **What it costs.** A look at every cell and every facet, about two microseconds each with the distance; then boxes where phi is within the
+//! tolerance of its largest. A box of size h misses by h^2 there, so that a part of the shape of size A in which phi is that large takes
+//! about A / (tolerance (d + r))^((D - 1) / 2) boxes; where the shape faces itself across less than d + r from both sides a box misses by h,
+//! and the exponent is D - 1. Shapes of 25,000 to 70,000 control points and 10,000 to 70,000 triangles take some 250,000 boxes in all at d =
+//! 0.01 D, r = 0.005 D and the default tolerance (tests/certify.rs).
 //!
 //! **Rounding.** Bezier points and evaluations are sums of at most 4^D products per axis with weights that add up to 1, and to less than
 //! 1.1 in size beyond a face: each is off by some 100 eps max |c| at most. Coordinates are rounded in units of eps X, X the largest among
