@@ -96,6 +96,11 @@ fn refined() {
 }
 
 #[test]
+fn certify() {
+    run("certify", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }
