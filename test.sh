@@ -71,7 +71,7 @@ tests_named() {
 under_valgrind() (
     room=$(mktemp -d)
     trap 'rm -rf "$room"' EXIT
-    programs=(lifecycle plane level_sets normals clouds refits refined constraints constraints_errors errors errors_later threads golden
+    programs=(lifecycle plane level_sets normals clouds refits refined constraints constraints_errors certify errors errors_later threads golden
         fortran)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)

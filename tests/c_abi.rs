@@ -106,6 +106,11 @@ fn constraints_errors() {
 }
 
 #[test]
+fn certify() {
+    run("certify", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }

@@ -18,6 +18,7 @@ fn generated() -> Vec<u8> {
         "fit_options",
         "field",
         "level_set",
+        "certify",
         "report",
         "aggregation",
         "body",
@@ -63,6 +64,7 @@ fn the_header_tells_the_defaults_of_the_code() {
     let l = keepout::field::LevelSetOptions::default();
     let n = keepout::geometry::orient::NormalOptions::default();
     let s = keepout::geometry::smooth::SmoothOptions::default();
+    let c = keepout::field::CertifyOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
         ("margin", d.margin),
@@ -77,6 +79,7 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("relaxations", f64::from(l.relaxations)),
         ("outlier_factor", n.outlier_factor),
         ("rounds", f64::from(s.rounds)),
+        ("max_boxes", c.max_boxes as f64),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");

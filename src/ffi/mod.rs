@@ -10,6 +10,7 @@
 
 mod aggregation;
 mod body;
+mod certify;
 mod cloud;
 mod constraints;
 mod field;
@@ -27,6 +28,7 @@ mod version;
 
 pub use aggregation::*;
 pub use body::*;
+pub use certify::*;
 pub use cloud::*;
 pub use constraints::*;
 pub use field::*;

@@ -9,8 +9,10 @@ pub const KO_OK: i32 = 0;
 /// A success with a remark: the level set meets the field's box, and its mesh is open there.
 pub const KO_OPEN_AT_BOX: i32 = 1;
 /// A success with a remark: refinement came to the end of its control points, of its memory, or of what the points tell, before the error
-/// asked for.
+/// asked for; a certificate to the end of its boxes before its tolerance.
 pub const KO_BUDGET_REACHED: i32 = 2;
+/// A success with a remark: the mesh bounds no solid, so that a certificate covers what is near it, and no side.
+pub const KO_SIDE_NOT_CERTIFIED: i32 = 3;
 /// An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
 pub const KO_ERR_INVALID_ARGUMENT: i32 = -1;
 /// The call would take more memory than its limit, or than the system gives.
@@ -75,6 +77,7 @@ pub extern "C" fn ko_status_string(status: i32) -> *const c_char {
         KO_OK => c"KO_OK",
         KO_OPEN_AT_BOX => c"KO_OPEN_AT_BOX",
         KO_BUDGET_REACHED => c"KO_BUDGET_REACHED",
+        KO_SIDE_NOT_CERTIFIED => c"KO_SIDE_NOT_CERTIFIED",
         KO_ERR_INVALID_ARGUMENT => c"KO_ERR_INVALID_ARGUMENT",
         KO_ERR_OUT_OF_MEMORY => c"KO_ERR_OUT_OF_MEMORY",
         KO_ERR_IO => c"KO_ERR_IO",

@@ -35,11 +35,11 @@ pub struct Beyond {
     /// sigma where the faces are of one side, `None` where they are of both.
     pub sign: Option<f64>,
     /// m
-    level: f64,
+    pub(super) level: f64,
     /// L
-    length: f64,
+    pub(super) length: f64,
     /// l, in cells of the grid.
-    reach: f64,
+    pub(super) reach: f64,
 }
 
 /// Value, gradient and Hessian.
@@ -52,11 +52,11 @@ fn matrix<const D: usize>(entry: impl Fn(usize, usize) -> f64) -> Hessian<D> {
 
 /// How one coordinate is bent: derivatives of s and e with respect to t, e itself.
 #[derive(Clone, Copy, Default)]
-struct Bend {
-    ds: f64,
+pub(super) struct Bend {
+    pub ds: f64,
     dds: f64,
-    e: f64,
-    de: f64,
+    pub e: f64,
+    pub de: f64,
     dde: f64,
 }
 
@@ -147,7 +147,7 @@ impl<const D: usize> Field<D> {
 }
 
 /// s(t) and e(t) = t - s(t) at t = `tau` l.
-fn bend(tau: f64, l: f64) -> Bend {
+pub(super) fn bend(tau: f64, l: f64) -> Bend {
     let tanh = tau.tanh();
     let t2 = tanh * tanh;
     // tau - tanh(tau) cancels for small tau; there its series is exact to rounding.

@@ -15,6 +15,7 @@
 //! | (11), its minimum, Algorithm 1, step 4 | [`fit`]; its solution: `system`, on ever coarser grids: `levels` |
 //! | its section 5, refinement where needed | `refined` |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
+//! | nothing: what phi at the samples of a body proves | [`certify`] |
 //! | the zero contour of its figures, and any other | [`level_set`]; values on slices and boxes: [`lattice`] |
 //!
 //! Where we depart:
@@ -39,6 +40,7 @@
 #![forbid(unsafe_code)]
 
 pub mod beyond;
+pub mod certify;
 pub mod data;
 pub mod distance;
 mod distance_sampler;
@@ -63,6 +65,7 @@ use crate::spline::Grid;
 use crate::spline::axis::Cells;
 use crate::{Error, Result};
 pub use beyond::Beyond;
+pub use certify::{Certificate, CertifyOptions};
 pub use eval::Outputs;
 pub use file::load;
 pub use function::Function;

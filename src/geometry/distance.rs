@@ -14,6 +14,11 @@ use super::{Bounds, Mesh};
 use crate::error::try_with_capacity;
 use crate::{Error, Result};
 
+mod half_space;
+mod solid;
+
+pub(crate) use half_space::HalfSpace;
+
 /// From this many sizes on, a mesh is a point to within rounding, and queries are pulled in lest their squares overflow: 2^300.
 const FAR: f64 = f64::from_bits((1023 + 300) << 52);
 

@@ -52,7 +52,6 @@ impl<const D: usize> Closing<D> {
     }
 
     /// How many facets there are.
-    #[cfg(test)]
     pub fn len(&self) -> usize {
         self.0.len()
     }

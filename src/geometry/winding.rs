@@ -94,6 +94,11 @@ impl<const D: usize> Winding<D> {
         Ok(Winding { moments, closing: None })
     }
 
+    /// Whether nothing is missing for the mesh to be closed: w is an integer beside it.
+    pub fn is_closed(&self) -> bool {
+        self.closing.as_ref().is_some_and(|closing| closing.len() == 0)
+    }
+
     /// The side of `q`.
     pub fn side(&self, tree: &Bvh<D>, corners: &[[[f64; D]; D]], q: [f64; D]) -> Side {
         let mut w = f64::NAN;
