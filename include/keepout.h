@@ -35,9 +35,14 @@
 
 /**
  * A success with a remark: refinement came to the end of its control points, of its memory, or of what the points tell, before the error
- * asked for.
+ * asked for; a certificate to the end of its boxes before its tolerance.
  */
 #define KO_BUDGET_REACHED 2
+
+/**
+ * A success with a remark: the mesh bounds no solid, so that a certificate covers what is near it, and no side.
+ */
+#define KO_SIDE_NOT_CERTIFIED 3
 
 /**
  * An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
@@ -686,6 +691,94 @@ typedef struct ko_level_set_options {
 } ko_level_set_options;
 
 /**
+ * Options of `ko_field_certify`. Initialise by `ko_certify_options_init`, then set what shall differ.
+ */
+typedef struct ko_certify_options {
+    /**
+     * sizeof(ko_certify_options), set by ko_certify_options_init.
+     */
+    size_t struct_size;
+    /**
+     * How far bounds may be above the largest value that is found, as a fraction of it, or of 1e-3 D where it is less; in [1e-4, 1e4].
+     * Default 0.05.
+     */
+    double tolerance;
+    /**
+     * Boxes that each of four searches may split off, at least 1; where more are needed its bound is sound but looser, and the call ends
+     * with KO_BUDGET_REACHED. It bounds time, a few microseconds a box, and memory, some 150 bytes a box. Default 4000000.
+     */
+    uint64_t max_boxes;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_certify_options;
+
+/**
+ * What was certified of a field. Filled by `ko_field_certify`. Lengths are in the mesh's unit.
+ */
+typedef struct ko_certificate {
+    /**
+     * sizeof(ko_certificate) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * t: larger than phi, as `ko_field_eval` gives it, at every point that is on the infeasible side or within the clearance and the
+     * covering radius together of the shape; in the box and beyond it.
+     */
+    double threshold;
+    /**
+     * The largest phi that was found at such points: `threshold` over it tells how tight the threshold is at least.
+     */
+    double largest_found;
+    /**
+     * Where that was; z is 0 in the plane. A finer field there, or a field that fits better, lowers the threshold.
+     */
+    double place[3];
+    /**
+     * eps: at least |phi| at every point of the shape.
+     */
+    double surface_error;
+    /**
+     * G: at least the length of grad phi at every point of the box.
+     */
+    double steepest;
+    /**
+     * At least the length of grad phi at every point beyond the box, often by a fifth too large or more; infinite where the box's faces are
+     * of both sides.
+     */
+    double steepest_beyond;
+    /**
+     * Boxes that were looked at.
+     */
+    uint64_t n_boxes;
+    /**
+     * Components of the shape, as `ko_mesh_get_component_count` tells.
+     */
+    uint64_t n_components;
+    /**
+     * 1: the mesh bounds a solid, so that the infeasible side has its part in `threshold`. 0: KO_SIDE_NOT_CERTIFIED.
+     */
+    int32_t side_certified;
+    /**
+     * 1: a search ended before its tolerance was reached; that for `steepest_beyond` does not count.
+     */
+    int32_t budget_reached;
+} ko_certificate;
+
+/**
  * How values of samples become one. Initialise by `ko_aggregation_init`, then set what shall differ.
  */
 typedef struct ko_aggregation {
@@ -1237,6 +1330,67 @@ int32_t ko_field_level_set(const struct ko_field *field,
                            double level,
                            const struct ko_level_set_options *options,
                            struct ko_mesh **mesh);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_certify_options_init(struct ko_certify_options *options, size_t struct_size);
+
+/**
+ * Certifies `field` against `mesh`, the shape that it was fitted to: gives a threshold t such that phi >= t at the samples of a body proves
+ * that the whole body is on the feasible side and farther than `clearance` from the shape.
+ *
+ * `clearance` d and `covering_radius` r, at least 0 and in the mesh's unit, are the distance that is wanted and the covering radius of the
+ * body's samples: every point of its surface is within r of one. t is larger than phi at every point that is on the infeasible side or
+ * within d + r of the shape, where the field is continued beyond its box too. `options` NULL: the defaults. `certificate_size` is sizeof
+ * *certificate.
+ *
+ * The proof: a sample with phi >= t is on the feasible side and farther than d + r from the shape. So every point of the body's surface is
+ * on the feasible side, since the side changes only on the shape, and farther than d. Each component of the shape is then in the body or
+ * off it as a whole. To exclude that the body swallowed one, test the points of `ko_mesh_copy_component_points` against the body: once
+ * each of them is outside it, all of the body is on the feasible side and farther than d from the shape. An aggregate that is at most
+ * the least phi, KS(min) say, serves for phi at the samples.
+ *
+ * t comes from a search by boxes, split where phi is large, with phi between its Bezier points on each and exact distances to the mesh;
+ * what rounding can do is added. The mesh bounds a solid where every edge is run through as often one way as the other and the volume is
+ * positive. Elsewhere sides are not certified: t covers what is within d + r of the shape, on both sides.
+ * Returns KO_SIDE_NOT_CERTIFIED, a success, for a mesh that bounds no solid; KO_BUDGET_REACHED, a success, where `max_boxes` made a bound
+ * looser than `tolerance`. The certificate tells of both. The same input gives the same bits.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a length or an option out of its range and for a mesh of another dimension; KO_ERR_DEGENERATE where
+ * phi grows without end on the infeasible side, as of a field that does not have this mesh inside its box, or with the other side
+ * feasible; KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY; KO_ERR_CANCELLED.
+ * Threads: any number at once; `progress` is called on the caller's. Cost: every cell is bounded, a microsecond or two, and every triangle;
+ * then boxes are split near the largest phi, the fewer the more it stands out. The mesh keeps the tree of its distances, about 200 bytes
+ * a triangle, as after `ko_mesh_signed_distance`.
+ */
+int32_t ko_field_certify(const struct ko_field *field,
+                         const struct ko_mesh *mesh,
+                         double clearance,
+                         double covering_radius,
+                         const struct ko_certify_options *options,
+                         size_t certificate_size,
+                         struct ko_certificate *certificate);
+
+/**
+ * Tells how many components the mesh has: parts that hang together by vertices that triangles share, in the plane segments.
+ *
+ * There may be fewer than `n_components` of `ko_mesh_get_report`, which a vertex alone does not connect. Errors: KO_ERR_INVALID_ARGUMENT
+ * for NULL, KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
+ */
+int32_t ko_mesh_get_component_count(const struct ko_mesh *mesh,
+                                    size_t *n_components);
+
+/**
+ * Copies a vertex of each component of the mesh to `points` [dim * n_components]: what a body that swallows the component holds.
+ *
+ * `n_components` must be that of `ko_mesh_get_component_count`, or of a certificate. Errors: KO_ERR_INVALID_ARGUMENT, also for another
+ * count; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
+ */
+int32_t ko_mesh_copy_component_points(const struct ko_mesh *mesh,
+                                      size_t n_components,
+                                      double *points);
 
 /**
  * Fills `aggregation` with the defaults. `struct_size` is sizeof *aggregation.
