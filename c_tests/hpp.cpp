@@ -318,6 +318,38 @@ static void level_sets_are_meshes() {
     CHECK(!curves.open_at_box && curves.mesh.polylines().closed.size() == 2);
 }
 
+static void fields_are_certified() {
+    const keepout::Mesh mesh = cube(), curves = frame();
+    const keepout::Field field = keepout::Field::fit(mesh.sample(500, 1), small_fit());
+    keepout::CertifyOptions options;
+    options.n_threads = 1;
+    double last = -1.0;
+    options.on_progress = [&](double fraction, const char *) {
+        last = fraction;
+        return keepout::Progress::go_on;
+    };
+    const ko_certificate found = field.certify(mesh, 0.1, 0.05, options);
+    CHECK(last == 1.0 && found.side_certified == 1 && found.budget_reached == 0 && found.n_components == mesh.n_components());
+    CHECK(found.threshold > 0.05 && found.threshold > found.largest_found);
+    CHECK(field.values(found.place)[0] == found.largest_found);
+    options.max_boxes = 1;
+    options.tolerance = 1e-4;
+    CHECK(field.certify(mesh, 0.1, 0.05, options).budget_reached == 1);
+    const keepout::Mesh open =
+        keepout::Mesh::from_triangles(check_cube_vertices, keepout::Span<const std::uint32_t>(check_cube_triangles, 33));
+    CHECK(field.certify(open, 0.1, 0.0).side_certified == 0);
+    CHECK((curves.n_components() == 2 && curves.component_points() == std::vector<double>{-1, -1, -0.5, -0.5}));
+    THROWS(field.certify(mesh, -1.0, 0.0), KO_ERR_INVALID_ARGUMENT, "clearance");
+    options.on_progress = [](double, const char *stage) -> keepout::Progress { throw std::out_of_range(stage); };
+    bool caught = false;
+    try {
+        field.certify(mesh, 0.1, 0.05, options);
+    } catch (const std::out_of_range &) {
+        caught = true;
+    }
+    CHECK(caught);
+}
+
 /// Weights leave points out, and a robust fit finds them by itself.
 static void clouds_are_not_trusted_alike() {
     const keepout::Cloud whole = cube().sample(400, 1);
@@ -542,6 +574,7 @@ int main() {
     fields_are_made_of_fields();
     lattices_are_evaluated();
     level_sets_are_meshes();
+    fields_are_certified();
     clouds_are_not_trusted_alike();
     numbers_are_aggregated();
     bodies_are_points();

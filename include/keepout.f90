@@ -16,6 +16,7 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_OK = 0
   integer(c_int32_t), parameter :: KO_OPEN_AT_BOX = 1
   integer(c_int32_t), parameter :: KO_BUDGET_REACHED = 2
+  integer(c_int32_t), parameter :: KO_SIDE_NOT_CERTIFIED = 3
   integer(c_int32_t), parameter :: KO_ERR_INVALID_ARGUMENT = -1
   integer(c_int32_t), parameter :: KO_ERR_OUT_OF_MEMORY = -2
   integer(c_int32_t), parameter :: KO_ERR_IO = -3
@@ -168,6 +169,31 @@ module keepout_c
     integer(c_int64_t) :: memory_limit
     type(c_funptr) :: progress
     type(c_ptr) :: progress_data
+  end type
+
+  ! Made by keepout_certify_options() with the defaults.
+  type, bind(c) :: ko_certify_options
+    integer(c_size_t) :: struct_size
+    real(c_double) :: tolerance
+    integer(c_int64_t) :: max_boxes
+    integer(c_int32_t) :: n_threads
+    integer(c_int32_t) :: reserved
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  type, bind(c) :: ko_certificate
+    integer(c_size_t) :: struct_size
+    real(c_double) :: threshold
+    real(c_double) :: largest_found
+    real(c_double) :: place(3)
+    real(c_double) :: surface_error
+    real(c_double) :: steepest
+    real(c_double) :: steepest_beyond
+    integer(c_int64_t) :: n_boxes
+    integer(c_int64_t) :: n_components
+    integer(c_int32_t) :: side_certified
+    integer(c_int32_t) :: budget_reached
   end type
 
   ! Made by keepout_aggregation() with the defaults.
@@ -570,6 +596,41 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
+    function ko_certify_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_certify_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_field_certify(field, mesh, clearance, covering_radius, options, certificate_size, certificate) bind(c) &
+      result(status)
+      import
+      type(c_ptr), value :: field
+      type(c_ptr), value :: mesh
+      real(c_double), value :: clearance
+      real(c_double), value :: covering_radius
+      type(ko_certify_options), intent(in) :: options
+      integer(c_size_t), value :: certificate_size
+      type(ko_certificate), intent(inout) :: certificate
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_get_component_count(mesh, n_components) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), intent(inout) :: n_components
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_mesh_copy_component_points(mesh, n_components, points) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh
+      integer(c_size_t), value :: n_components
+      real(c_double), intent(inout) :: points(*)
+      integer(c_int32_t) :: status
+    end function
+
     function ko_aggregation_init(aggregation, struct_size) bind(c) result(status)
       import
       type(ko_aggregation), intent(inout) :: aggregation
@@ -882,6 +943,7 @@ module keepout
     procedure :: flip => mesh_flip
     procedure :: sample => mesh_sample
     procedure :: signed_distance => mesh_signed_distance
+    procedure :: copy_component_points => mesh_copy_component_points
     procedure :: c_handle => mesh_c_handle
     procedure, private :: mesh_assign
     generic :: assignment(=) => mesh_assign
@@ -928,6 +990,7 @@ module keepout
     procedure :: eval_parallel => field_eval_parallel
     procedure :: eval_lattice => field_eval_lattice
     procedure :: level_set => field_level_set
+    procedure :: certify => field_certify
     procedure :: outside_box => field_outside_box
     procedure :: c_handle => field_c_handle
     procedure, private :: field_assign
@@ -1017,7 +1080,7 @@ module keepout
   private :: mesh_read, mesh_from_triangles, mesh_from_polylines, mesh_free, mesh_dim, mesh_n_vertices, mesh_n_triangles, mesh_copy
   private :: mesh_report, mesh_flip, mesh_sample, mesh_signed_distance, mesh_c_handle, mesh_assign, mesh_final
   private :: mesh_write, mesh_copy_polylines, cloud_estimate_normals, field_refit, field_from_control_points, field_control_points
-  private :: field_eval_lattice, field_level_set, listen
+  private :: field_eval_lattice, field_level_set, field_certify, mesh_copy_component_points, listen
   private :: cloud_from_points, cloud_free, cloud_dim, cloud_n_points, cloud_copy, cloud_copy_origins, cloud_set_weights
   private :: cloud_smooth, cloud_sides, cloud_c_handle, cloud_assign, cloud_final
   private :: field_fit, field_load, field_save, field_free, field_dim, field_report, field_eval, field_eval_parallel
@@ -1076,6 +1139,12 @@ contains
   function keepout_level_set_options() result(options)
     type(ko_level_set_options) :: options
     call settle(ko_level_set_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of certificates with the defaults.
+  function keepout_certify_options() result(options)
+    type(ko_certify_options) :: options
+    call settle(ko_certify_options_init(options, c_sizeof(options)))
   end function
 
   ! How values of samples become one, with the defaults: KS.
@@ -1283,6 +1352,22 @@ contains
       if (.not. right_size("distances", "entries", size(distances), size(points, 2), stat, errmsg)) return
     end if
     call settle(ko_mesh_signed_distance(self%handle, points, size(points, 2, c_size_t), distances), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills points (dim, n_components) with a vertex of each component, of parts that hang together by vertices that
+  ! triangles share: what a body that swallows the component holds.
+  subroutine mesh_copy_component_points(self, points, stat, errmsg)
+    class(keepout_mesh), intent(in) :: self
+    real(c_double), allocatable, intent(out) :: points(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer(c_size_t) :: n_components
+    integer(c_int32_t) :: status
+    n_components = 0
+    status = ko_mesh_get_component_count(self%handle, n_components)
+    allocate (points(self%width, n_components))
+    if (status >= KO_OK) status = ko_mesh_copy_component_points(self%handle, n_components, points)
+    call settle(status, stat, errmsg)
   end subroutine
 
   ! For calls of keepout_c; it stays the mesh's.
@@ -1702,6 +1787,28 @@ contains
     status = ko_field_level_set(self%handle, level, plain, handle)
     if (status >= KO_OK) call mesh_adopt(mesh, handle)
     call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Certifies the field against `mesh`, which it was fitted to: phi at or above certificate%threshold at samples that cover a body's
+  ! surface within `covering_radius` proves that the body is on the feasible side and farther than `clearance` from the shape, once
+  ! the points of mesh%copy_component_points are outside the body. stat may be KO_SIDE_NOT_CERTIFIED or KO_BUDGET_REACHED, which
+  ! are no errors. `listener` is told of progress, on this thread.
+  subroutine field_certify(self, mesh, clearance, covering_radius, certificate, options, listener, stat, errmsg)
+    class(keepout_field), intent(in) :: self
+    type(keepout_mesh), intent(in) :: mesh
+    real(c_double), intent(in) :: clearance, covering_radius
+    type(ko_certificate), intent(inout) :: certificate
+    type(ko_certify_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_certify_options) :: plain
+    type(listener_box), target :: box
+    plain = keepout_certify_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    call settle(ko_field_certify(self%handle, mesh%handle, clearance, covering_radius, plain, c_sizeof(certificate), certificate), &
+      stat, errmsg)
   end subroutine
 
   ! 1 into outside (n) for each of points (dim, n) outside the field's box, else 0.

@@ -191,6 +191,13 @@ struct LevelSetOptions : ko_level_set_options {
     OnProgress on_progress;
 };
 
+/// ko_certify_options with the defaults.
+struct CertifyOptions : ko_certify_options {
+    CertifyOptions() : ko_certify_options() { detail::check(ko_certify_options_init(this, sizeof(ko_certify_options))); }
+
+    OnProgress on_progress;
+};
+
 /// ko_aggregation with the defaults: KS.
 struct Aggregation : ko_aggregation {
     Aggregation() : ko_aggregation() { detail::check(ko_aggregation_init(this, sizeof(ko_aggregation))); }
@@ -214,22 +221,32 @@ struct Listener {
     }
 };
 
-/// Status of `call(plain, &handle)`, with the options as the struct `Plain` of C; `free` takes the handle where on_progress threw.
-template <class Plain, class Options, class T, class Call>
-std::int32_t listened(const Options &options, T *&handle, void (*free)(T *), const Call &call) {
+/// Status of `call(plain)`, with the options as the struct `Plain` of C.
+template <class Plain, class Options, class Call>
+std::int32_t listened(const Options &options, const Call &call) {
     Listener listener{options.on_progress, nullptr};
     Plain plain = options;
     if (options.on_progress) {
         plain.progress = Listener::hear;
         plain.progress_data = &listener;
     }
-    const std::int32_t status = call(plain, &handle);
+    const std::int32_t status = call(plain);
     if (listener.thrown) {
-        free(handle);
         std::rethrow_exception(listener.thrown);
     }
     check(status);
     return status;
+}
+
+/// The same of `call(plain, &handle)`; `free` takes the handle where on_progress threw.
+template <class Plain, class Options, class T, class Call>
+std::int32_t listened(const Options &options, T *&handle, void (*free)(T *), const Call &call) {
+    try {
+        return listened<Plain>(options, [&](const Plain &plain) { return call(plain, &handle); });
+    } catch (...) {
+        free(handle);
+        throw;
+    }
 }
 
 } // namespace detail
@@ -469,6 +486,21 @@ public:
         return distances;
     }
 
+    /// Parts that hang together by vertices that triangles share; report().n_components may be more.
+    std::size_t n_components() const {
+        std::size_t n = 0;
+        detail::check(ko_mesh_get_component_count(get(), &n));
+        return n;
+    }
+
+    /// A vertex of each component, [dim() * n_components()]: what a body that swallows the component holds.
+    std::vector<double> component_points() const {
+        const std::size_t n = n_components();
+        std::vector<double> points(dim_ * n);
+        detail::check(ko_mesh_copy_component_points(get(), n, points.data()));
+        return points;
+    }
+
     const ko_mesh *get() const noexcept { return handle_.get(); }
     ko_mesh *get() noexcept { return handle_.get(); }
 
@@ -614,6 +646,18 @@ public:
             options, handle, ko_mesh_free,
             [&](const ko_level_set_options &plain, ko_mesh **mesh) { return ko_field_level_set(get(), level, &plain, mesh); });
         return LevelSet{Mesh(handle), status == KO_OPEN_AT_BOX};
+    }
+
+    /// Certifies the field against `mesh`, which it was fitted to: phi at or above the certificate's threshold at samples that cover a
+    /// body's surface within `covering_radius` proves that the body is on the feasible side and farther than `clearance` from the shape,
+    /// once mesh.component_points() are outside the body. What KO_SIDE_NOT_CERTIFIED and KO_BUDGET_REACHED tell is in side_certified and
+    /// budget_reached.
+    ko_certificate certify(const Mesh &mesh, double clearance, double covering_radius, const CertifyOptions &options = {}) const {
+        ko_certificate certificate;
+        detail::listened<ko_certify_options>(options, [&](const ko_certify_options &plain) {
+            return ko_field_certify(get(), mesh.get(), clearance, covering_radius, &plain, sizeof certificate, &certificate);
+        });
+        return certificate;
     }
 
     const ko_field *get() const noexcept { return handle_.get(); }

@@ -48,6 +48,7 @@ program keepout_test
   call fields_are_made_of_fields()
   call lattices_are_evaluated()
   call level_sets_are_meshes()
+  call fields_are_certified()
   call clouds_are_not_trusted_alike()
   call numbers_are_aggregated()
   call bodies_are_points()
@@ -442,6 +443,45 @@ contains
     listener = counter(until=0.0_c_double)
     call field%level_set(0.0_c_double, set, listener=listener, stat=stat, errmsg=errmsg)
     call fails(stat, errmsg, KO_ERR_CANCELLED, "cancelled")
+  end subroutine
+
+  subroutine fields_are_certified()
+    type(keepout_mesh) :: mesh, open, curves
+    type(keepout_cloud) :: cloud
+    type(keepout_field) :: field
+    type(counter) :: listener
+    type(ko_certify_options) :: options
+    type(ko_certificate) :: found
+    real(c_double), allocatable :: points(:, :)
+    real(c_double) :: values(1)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    call cube(mesh)
+    call mesh%sample(500, 1, cloud)
+    call field%fit(cloud, small_fit(8))
+    options = keepout_certify_options()
+    options%n_threads = 1
+    call field%certify(mesh, 0.1_c_double, 0.05_c_double, found, options, listener, stat)
+    call holds(stat == KO_OK .and. found%side_certified == 1 .and. listener%last >= 1, "field%certify")
+    call holds(found%threshold > 0.05_c_double .and. found%threshold > found%largest_found, "threshold")
+    call field%eval(reshape(found%place, [3, 1]), values)
+    call near(values(1), found%largest_found, 0.0_c_double, "the largest phi is where the certificate says")
+    options%max_boxes = 1
+    options%tolerance = 1e-4_c_double
+    call field%certify(mesh, 0.1_c_double, 0.05_c_double, found, options, stat=stat)
+    call holds(stat == KO_BUDGET_REACHED .and. found%budget_reached == 1, "KO_BUDGET_REACHED")
+    call open%from_triangles(cube_vertices, cube_triangles(:, :11))
+    call field%certify(open, 0.1_c_double, 0.0_c_double, found, stat=stat)
+    call holds(stat == KO_SIDE_NOT_CERTIFIED .and. found%side_certified == 0, "KO_SIDE_NOT_CERTIFIED")
+    call field%certify(mesh, -1.0_c_double, 0.0_c_double, found, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "clearance")
+    listener = counter(until=0.0_c_double)
+    call field%certify(mesh, 0.1_c_double, 0.0_c_double, found, listener=listener, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_CANCELLED, "cancelled")
+    call frame(curves)
+    call curves%copy_component_points(points)
+    call holds(all(shape(points) == [2, 2]), "shape of component points")
+    call near(maxval(abs(points - frame_points(:, 1:5:4))), 0.0_c_double, 0.0_c_double, "mesh%copy_component_points")
   end subroutine
 
   ! Weights leave points out, and a robust fit finds them by itself.

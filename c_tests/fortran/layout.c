@@ -9,6 +9,8 @@ size_t layout_smooth_options(size_t *offsets);
 size_t layout_fit_options(size_t *offsets);
 size_t layout_fit_report(size_t *offsets);
 size_t layout_level_set_options(size_t *offsets);
+size_t layout_certify_options(size_t *offsets);
+size_t layout_certificate(size_t *offsets);
 size_t layout_aggregation(size_t *offsets);
 
 #define PUT(field) *offsets++ = offsetof(STRUCT, field)
@@ -141,6 +143,36 @@ size_t layout_level_set_options(size_t *offsets) {
     PUT(memory_limit);
     PUT(progress);
     PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_certify_options
+size_t layout_certify_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(tolerance);
+    PUT(max_boxes);
+    PUT(n_threads);
+    PUT(reserved);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_certificate
+size_t layout_certificate(size_t *offsets) {
+    PUT(struct_size);
+    PUT(threshold);
+    PUT(largest_found);
+    PUT(place);
+    PUT(surface_error);
+    PUT(steepest);
+    PUT(steepest_beyond);
+    PUT(n_boxes);
+    PUT(n_components);
+    PUT(side_certified);
+    PUT(budget_reached);
     return sizeof(STRUCT);
 }
 #undef STRUCT

@@ -51,6 +51,18 @@ module layout
       integer(c_size_t) :: bytes
     end function
 
+    function layout_certify_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_certificate(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
     function layout_aggregation(offsets) bind(c) result(bytes)
       import :: c_size_t
       integer(c_size_t), intent(inout) :: offsets(*)
@@ -68,6 +80,8 @@ contains
     call check_normal_report()
     call check_smooth_options()
     call check_level_set_options()
+    call check_certify_options()
+    call check_certificate()
     call check_aggregation()
   end subroutine
 
@@ -214,6 +228,38 @@ contains
     found(8) = offset(c_loc(x), c_loc(x%progress))
     found(9) = offset(c_loc(x), c_loc(x%progress_data))
     call holds(all(found == right), "offsets in ko_level_set_options")
+  end subroutine
+
+  subroutine check_certify_options()
+    type(ko_certify_options), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_certify_options(right), "bytes of ko_certify_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%tolerance))
+    found(3) = offset(c_loc(x), c_loc(x%max_boxes))
+    found(4) = offset(c_loc(x), c_loc(x%n_threads))
+    found(5) = offset(c_loc(x), c_loc(x%reserved))
+    found(6) = offset(c_loc(x), c_loc(x%progress))
+    found(7) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_certify_options")
+  end subroutine
+
+  subroutine check_certificate()
+    type(ko_certificate), target :: x
+    integer(c_size_t) :: right(11), found(11)
+    call equal(c_sizeof(x), layout_certificate(right), "bytes of ko_certificate")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%threshold))
+    found(3) = offset(c_loc(x), c_loc(x%largest_found))
+    found(4) = offset(c_loc(x), c_loc(x%place))
+    found(5) = offset(c_loc(x), c_loc(x%surface_error))
+    found(6) = offset(c_loc(x), c_loc(x%steepest))
+    found(7) = offset(c_loc(x), c_loc(x%steepest_beyond))
+    found(8) = offset(c_loc(x), c_loc(x%n_boxes))
+    found(9) = offset(c_loc(x), c_loc(x%n_components))
+    found(10) = offset(c_loc(x), c_loc(x%side_certified))
+    found(11) = offset(c_loc(x), c_loc(x%budget_reached))
+    call holds(all(found == right), "offsets in ko_certificate")
   end subroutine
 
   subroutine check_aggregation()

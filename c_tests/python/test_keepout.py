@@ -289,6 +289,23 @@ class Fields(TestCase):
         plane = Field.fit(frame().sample(400, seed=1)).level_set().mesh
         self.assertEqual(list(plane.polylines().closed), [True, True])
 
+    def test_certificates(self):
+        mesh = cube()
+        field = Field.fit(mesh.sample(500, seed=1), small_fit())
+        heard = []
+        found = field.certify(mesh, 0.1, 0.05, progress=lambda *told: heard.append(told[0]))
+        self.assertEqual((found.side_certified, found.budget_reached, found.n_components, heard[-1]), (1, 0, 1, 1.0))
+        self.assertGreater(found.threshold, max(0.05, found.largest_found))
+        self.assertEqual(field(found.place)[0], found.largest_found)
+        options = keepout.CertifyOptions(max_boxes=1, tolerance=1e-4, n_threads=1)
+        self.assertEqual(field.certify(mesh, 0.1, 0.05, options).budget_reached, 1)
+        self.assertEqual(field.certify(Mesh.from_triangles(CUBE, CUBE_TRIANGLES[:11]), 0.1).side_certified, 0)
+        with self.fails(Status.INVALID_ARGUMENT, "clearance"):
+            field.certify(mesh, -1.0)
+        with self.assertRaises(ZeroDivisionError):
+            field.certify(mesh, 0.1, progress=lambda *_: 1 / 0)
+        np.testing.assert_array_equal(frame().component_points(), FRAME[[0, 4]])
+
     def test_feasible_side(self):
         cloud = cube().sample(300)
         inside = Field.fit(cloud, small_fit(feasible=keepout.Feasible.INSIDE))

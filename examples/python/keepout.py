@@ -40,6 +40,7 @@ class Status(enum.IntEnum):
     OK = 0
     OPEN_AT_BOX = 1
     BUDGET_REACHED = 2
+    SIDE_NOT_CERTIFIED = 3
     INVALID_ARGUMENT = -1
     OUT_OF_MEMORY = -2
     IO = -3
@@ -314,6 +315,38 @@ class ko_level_set_options(_Struct):
     ]
 
 
+class ko_certify_options(_Struct):
+    """Options of Field.certify; see CertifyOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("tolerance", c_double),
+        ("max_boxes", c_uint64),
+        ("n_threads", c_uint32),
+        ("reserved", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_certificate(_Struct):
+    """What was certified of a field."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("threshold", c_double),
+        ("largest_found", c_double),
+        ("place", c_double * 3),
+        ("surface_error", c_double),
+        ("steepest", c_double),
+        ("steepest_beyond", c_double),
+        ("n_boxes", c_uint64),
+        ("n_components", c_uint64),
+        ("side_certified", c_int32),
+        ("budget_reached", c_int32),
+    ]
+
+
 class ko_aggregation(_Struct):
     """How values of samples become one; see Aggregation."""
 
@@ -389,6 +422,8 @@ _mesh_get_report = _bind("ko_mesh_get_report", c_int32, _mesh, c_size_t, POINTER
 _mesh_flip = _bind("ko_mesh_flip", c_int32, _mesh)
 _mesh_sample = _bind("ko_mesh_sample", c_int32, _mesh, c_size_t, c_uint64, POINTER(_cloud))
 _mesh_signed_distance = _bind("ko_mesh_signed_distance", c_int32, _mesh, _doubles, c_size_t, _doubles)
+_mesh_get_component_count = _bind("ko_mesh_get_component_count", c_int32, _mesh, POINTER(c_size_t))
+_mesh_copy_component_points = _bind("ko_mesh_copy_component_points", c_int32, _mesh, c_size_t, _doubles)
 
 _cloud_from_points = _bind("ko_cloud_from_points", c_int32, c_uint32, _doubles, _doubles, c_size_t, POINTER(_cloud))
 _cloud_free = _bind("ko_cloud_free", None, _cloud)
@@ -445,6 +480,18 @@ _field_load = _bind("ko_field_load", c_int32, c_char_p, POINTER(_field))
 _field_free = _bind("ko_field_free", None, _field)
 _level_set_options_init = _bind("ko_level_set_options_init", c_int32, POINTER(ko_level_set_options), c_size_t)
 _field_level_set = _bind("ko_field_level_set", c_int32, _field, c_double, POINTER(ko_level_set_options), POINTER(_mesh))
+_certify_options_init = _bind("ko_certify_options_init", c_int32, POINTER(ko_certify_options), c_size_t)
+_field_certify = _bind(
+    "ko_field_certify",
+    c_int32,
+    _field,
+    _mesh,
+    c_double,
+    c_double,
+    POINTER(ko_certify_options),
+    c_size_t,
+    POINTER(ko_certificate),
+)
 
 _aggregation_init = _bind("ko_aggregation_init", c_int32, POINTER(ko_aggregation), c_size_t)
 _aggregate = _bind(
@@ -721,6 +768,12 @@ class LevelSetOptions(_Options, ko_level_set_options):
     _init = staticmethod(_level_set_options_init)
 
 
+class CertifyOptions(_Options, ko_certify_options):
+    """Options of Field.certify, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_certify_options_init)
+
+
 class Aggregation(_Options, ko_aggregation):
     """How values of samples become one, KS but for what is given by name: Aggregation(kind=Aggregate.NONE), say."""
 
@@ -748,18 +801,27 @@ class _Listener:
             return 1
 
 
-def _make(kind: Any, plain: Any, progress: Optional[Progress], call: Callable[[Any, Any], int]) -> tuple[Any, int]:
-    """What `call(options, handle)` made, as the handle `kind`, and its status; `plain`, the options as C has them, get `progress`."""
+def _listened(plain: Any, progress: Optional[Progress], call: Callable[[Any], int]) -> int:
+    """Status of `call(options)`; `plain`, the options as C has them, get `progress`."""
     listener = _Listener(progress) if progress else None
     if listener:
         plain.progress = listener.for_c
-    handle = kind._pointer()
-    status = call(ctypes.byref(plain), ctypes.byref(handle))
-    made = kind(handle) if status >= 0 else None
+    status = call(ctypes.byref(plain))
     if listener and listener.raised:
         raise listener.raised
     _check(status)
-    return made, status
+    return status
+
+
+def _make(kind: Any, plain: Any, progress: Optional[Progress], call: Callable[[Any, Any], int]) -> tuple[Any, int]:
+    """What `call(options, handle)` made, as the handle `kind`, and its status."""
+    handle = kind._pointer()
+    try:
+        status = _listened(plain, progress, lambda own: call(own, ctypes.byref(handle)))
+    except BaseException:
+        kind._free(handle)
+        raise
+    return kind(handle), status
 
 
 # ---- Meshes, clouds, fields
@@ -877,6 +939,17 @@ class Mesh(_Handle):
         distances = np.empty(len(points))
         _check(_mesh_signed_distance(self, _at(points), len(points), _at(distances)))
         return distances
+
+    def component_points(self) -> Array:
+        """A vertex of each component, [n_components, dim]: what a body that swallows the component holds.
+
+        Components are parts that hang together by vertices that triangles share; report().n_components may be more.
+        """
+        n = c_size_t()
+        _check(_mesh_get_component_count(self, ctypes.byref(n)))
+        points = np.empty((n.value, self.dim))
+        _check(_mesh_copy_component_points(self, len(points), _at(points)))
+        return points
 
 
 class Curves(NamedTuple):
@@ -1135,6 +1208,26 @@ class Field(_Handle):
         plain = ko_level_set_options.from_buffer_copy(options or LevelSetOptions())
         mesh, status = _make(Mesh, plain, progress, lambda own, to: _field_level_set(self, level, own, to))
         return LevelSet(mesh, status == Status.OPEN_AT_BOX)
+
+    def certify(
+        self,
+        mesh: Mesh,
+        clearance: float = 0.0,
+        covering_radius: float = 0.0,
+        options: Optional[CertifyOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> ko_certificate:
+        """Certifies the field against `mesh`, which it was fitted to; `progress` is told on this thread.
+
+        phi at or above its threshold at samples that cover a body's surface within `covering_radius` proves that the body is on the
+        feasible side and farther than `clearance` from the shape, once mesh.component_points() are outside the body. What Status.SIDE_NOT_CERTIFIED and
+        BUDGET_REACHED tell is in side_certified and budget_reached.
+        """
+        plain = ko_certify_options.from_buffer_copy(options or CertifyOptions())
+        certificate = ko_certificate()
+        to = (ctypes.sizeof(certificate), ctypes.byref(certificate))
+        _listened(plain, progress, lambda own: _field_certify(self, mesh, clearance, covering_radius, own, *to))
+        return certificate
 
     def outside_box(self, points: npt.ArrayLike) -> Array:
         """Which of points [n, dim] are outside the field's box, [n] of bool."""
