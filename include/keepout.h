@@ -1251,7 +1251,8 @@ int32_t ko_field_certify(const struct ko_field *field,
  * There may be fewer than `n_components` of `ko_mesh_get_report`, which a vertex alone does not connect. Errors: KO_ERR_INVALID_ARGUMENT
  * for NULL, KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
  */
-int32_t ko_mesh_get_component_count(const struct ko_mesh *mesh, size_t *n_components);
+int32_t ko_mesh_get_component_count(const struct ko_mesh *mesh,
+                                    size_t *n_components);
 
 /**
  * Copies a vertex of each component of the mesh to `points` [dim * n_components]: what a body that swallows the component holds.
