@@ -95,7 +95,7 @@ pub(super) fn derivative<const D: usize>(points: &Window, extents: &[f64; D], no
     let n = 4_usize.pow(D as u32);
     let along = |a: usize| {
         let stride = 4_usize.pow((D - 1 - a) as u32);
-        let ends = (0..n).filter(|i| i / stride % 4 == 0);
+        let ends = (0..n).filter(|i| (i / stride).is_multiple_of(4));
         let rise = ends.map(|i| points[i + 3 * stride] - points[i]).sum::<f64>();
         if extents[a] > 0.0 { normal[a] * rise / (extents[a] * (n / 4) as f64) } else { 0.0 }
     };

@@ -78,9 +78,11 @@ impl<const D: usize> Problem<D> for Clearance<'_, D> {
             return look;
         }
         let (center, h) = (bounds.center(), 0.5 * bounds.diagonal() + self.slack);
+        let mut is_within = false;
         if node.side != Known::Infeasible {
             // Coordinates are finite.
             let Ok(closest) = self.tree.closest_point(center) else { return look };
+            is_within = closest.distance <= WITHIN * self.reach;
             if closest.distance > h && node.side == Known::Nothing {
                 node.side = self.side(center);
                 look.node = node;
@@ -103,6 +105,13 @@ impl<const D: usize> Problem<D> for Clearance<'_, D> {
             look.place = center;
         }
         look.found = value(self.cells.field, look.place);
+        if is_within {
+            // Where the shape is on both sides the point as far off as reach lets it be is past the largest phi.
+            let phi = value(self.cells.field, center);
+            if phi > look.found {
+                (look.found, look.place) = (phi, center);
+            }
+        }
         look
     }
 }

@@ -135,8 +135,8 @@ impl<const D: usize> Cells<'_, D> {
             share = plus(share, times([flat / h, steep / h], r));
         }
         let mut terms = Terms { of_polynomial: [[0.0; 2]; D], factor, away: [[0.0; 2]; D], bending: 0.0 };
-        for a in 0..D {
-            let width = self.edge(&part.cell, a) * (local[a][1] - local[a][0]);
+        for (a, local) in local.iter().enumerate() {
+            let width = self.edge(&part.cell, a) * (local[1] - local[0]);
             let [low, high] = steps::<D>(&points, a).map(|step| 3.0 * step / width);
             let off = 3.0 * rounding / width;
             terms.of_polynomial[a] = times([low - off, high + off], share);

@@ -29,6 +29,9 @@ pub(super) enum Stand {
     Above,
 }
 
+/// Up to three stands along an axis, with their spans.
+type Stands = [Option<(Stand, [f64; 2])>; 3];
+
 /// A box in one cell, or beyond it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part<const D: usize> {
@@ -164,7 +167,7 @@ impl<'a, const D: usize> Cells<'a, D> {
     /// The parts of `range`, which may be without end, in `cell` and beyond it.
     pub fn parts(&self, cell: Cell<D>, range: &Bounds<D>, mut visit: impl FnMut(Part<D>)) {
         // Along each axis up to three stands, with their spans.
-        let stands: [[Option<(Stand, [f64; 2])>; 3]; D] = std::array::from_fn(|a| self.stands(&cell, range, a));
+        let stands: [Stands; D] = std::array::from_fn(|a| self.stands(&cell, range, a));
         each([[0, 3]; D], |which| {
             let mut part = Part { cell, stand: [Stand::Inside; D], span: [[0.0; 2]; D] };
             for a in 0..D {
@@ -175,7 +178,7 @@ impl<'a, const D: usize> Cells<'a, D> {
         });
     }
 
-    fn stands(&self, cell: &Cell<D>, range: &Bounds<D>, a: usize) -> [Option<(Stand, [f64; 2])>; 3] {
+    fn stands(&self, cell: &Cell<D>, range: &Bounds<D>, a: usize) -> Stands {
         let axis = self.field.grid.axes[a];
         let h = axis.cell * 0.5f64.powi(cell.level as i32);
         let place = cell.place[a];
