@@ -40,6 +40,10 @@ packages() {
     need pkg-config command -v pkg-config
     need libcgal-dev test -f /usr/include/CGAL/version.h
     need libpng-dev test -f /usr/include/png.h
+    need libceres-dev test -f /usr/include/ceres/ceres.h
+    need coinor-libipopt-dev pkg-config --exists ipopt
+    need libnlopt-dev test -f /usr/include/nlopt.h
+    need libnlopt-cxx-dev test -f /usr/include/nlopt.hpp
     need abigail-tools command -v abidw
     need valgrind command -v valgrind
     install_missing
@@ -55,7 +59,8 @@ documentation() {
 }
 
 cmake_build() {
-    cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DKEEPOUT_CARGO_TARGET_DIR="$target/shipped" &&
+    cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DKEEPOUT_REQUIRE_OPTIMISERS=ON \
+        -DKEEPOUT_CARGO_TARGET_DIR="$target/shipped" &&
         cmake --build "$build"
 }
 

@@ -5,7 +5,7 @@ module torus
   implicit none
 
   private
-  public :: make_torus, torus_distance
+  public :: make_torus, torus_distance, RING, TUBE
 
   real(c_double), parameter :: TURN = 8 * atan(1.0_c_double)
   ! Of the circle along the tube, and of the tube.
