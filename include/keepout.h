@@ -1211,9 +1211,9 @@ int32_t ko_field_copy_control_points(const struct ko_field *field,
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
  * unspecified then.
  * Threads: any number at once. Cost: 10 to 20 ns a point with gradient on one thread where the field fits into a cache, twice that without
- * AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to
- * 200 ns a point. There points that lie near each other in space should do so in the batch: brick after brick of 16 cells a point takes
- * half as long.
+ * AVX2, some two to three times where it is refined, and some 150 ns outside the box; no allocation, no lock. A field of more than some 30
+ * MB waits for memory, 100 to 200 ns a point. There points that lie near each other in space should do so in the batch: brick after brick
+ * of 16 cells a point takes half as long.
  */
 int32_t ko_field_eval(const struct ko_field *field,
                       const double *points,
@@ -1601,8 +1601,8 @@ int32_t ko_constraints_get_points_variables(const struct ko_constraints *constra
  *
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the variable, frame or value, for lengths other than those of `ko_constraints_get_size`, for a
  * variable that is not finite, a quaternion or a scale out of range, a sample beyond 1e150: an optimiser's adapter reports an evaluation
- * that failed then. `values` are unspecified after an error. Threads: any number at once. Cost: some 12 ns a sample, a microsecond a
- * requirement; no allocation, no lock.
+ * that failed then. `values` are unspecified after an error. Threads: any number at once. Cost: some 20 ns a sample, ten times that for one
+ * outside its field's box (a fit with a larger `margin` has it inside), a microsecond a requirement; no allocation, no lock.
  */
 int32_t ko_constraints_values(const struct ko_constraints *constraints,
                               const double *x,
@@ -1698,7 +1698,7 @@ int32_t ko_constraints_hessian_pattern(const struct ko_constraints *constraints,
  * `entries` [n_entries] are in the order of `ko_constraints_hessian_pattern`.
  *
  * Errors: those of `ko_constraints_values`; KO_ERR_INVALID_ARGUMENT for a multiplier that is not finite, KO_ERR_UNSUPPORTED for one other
- * than 0 of a value by KO_AGGREGATE_MINIMUM. Threads: any number at once. Cost: some 80 ns a sample of a requirement whose multiplier is not
+ * than 0 of a value by KO_AGGREGATE_MINIMUM. Threads: any number at once. Cost: some 90 ns a sample of a requirement whose multiplier is not
  * 0, and the entries of points that are coupled; no allocation, no lock.
  */
 int32_t ko_constraints_hessian(const struct ko_constraints *constraints,

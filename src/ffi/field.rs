@@ -232,9 +232,9 @@ pub unsafe extern "C" fn ko_field_copy_control_points(
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or has a coordinate beyond 1e150; outputs are
 /// unspecified then.
 /// Threads: any number at once. Cost: 10 to 20 ns a point with gradient on one thread where the field fits into a cache, twice that without
-/// AVX2, and some two to three times where it is refined; no allocation, no lock. A field of more than some 30 MB waits for memory, 100 to
-/// 200 ns a point. There points that lie near each other in space should do so in the batch: brick after brick of 16 cells a point takes
-/// half as long.
+/// AVX2, some two to three times where it is refined, and some 150 ns outside the box; no allocation, no lock. A field of more than some 30
+/// MB waits for memory, 100 to 200 ns a point. There points that lie near each other in space should do so in the batch: brick after brick
+/// of 16 cells a point takes half as long.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_field_eval(
     field: *const ko_field,
