@@ -71,7 +71,7 @@ tests_named() {
 under_valgrind() {
     local room program
     room=$(mktemp -d)
-    local programs=(lifecycle plane level_sets normals clouds refits refined errors errors_later threads golden fortran)
+    local programs=(lifecycle plane level_sets normals clouds refits refined formulations errors errors_later threads golden fortran)
     local data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     for program in "${programs[@]}"; do

@@ -96,6 +96,11 @@ fn refined() {
 }
 
 #[test]
+fn formulations() {
+    run("formulations", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }

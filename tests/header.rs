@@ -22,6 +22,7 @@ fn generated() -> Vec<u8> {
         "aggregation",
         "body",
         "constraints",
+        "formulations",
     ];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))
@@ -63,6 +64,7 @@ fn the_header_tells_the_defaults_of_the_code() {
     let l = keepout::field::LevelSetOptions::default();
     let n = keepout::geometry::orient::NormalOptions::default();
     let s = keepout::geometry::smooth::SmoothOptions::default();
+    let e = keepout::constraint::formulations::ExplicitOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
         ("margin", d.margin),
@@ -76,6 +78,8 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("relaxations", f64::from(l.relaxations)),
         ("outlier_factor", n.outlier_factor),
         ("rounds", f64::from(s.rounds)),
+        ("softening", e.softening),
+        ("exponent", f64::from(e.exponent)),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");
