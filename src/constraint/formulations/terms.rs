@@ -7,6 +7,9 @@
 //! Points lie in blocks of eight, coordinate by coordinate, so that the loops are of vectors. The sums are eight, one a place in the block,
 //! and added in a fixed order.
 
+// Coordinates and places in a block, as in the formulas.
+#![allow(clippy::needless_range_loop)]
+
 use super::curvature::Tensor;
 use crate::Result;
 use crate::error::try_with_capacity;
