@@ -76,8 +76,8 @@ tests_named() {
 under_valgrind() (
     room=$(mktemp -d)
     trap 'rm -rf "$room"' EXIT
-    programs=(lifecycle plane level_sets normals clouds refits refined constraints constraints_errors certify errors errors_later threads golden
-        fortran)
+    programs=(lifecycle plane level_sets normals clouds refits refined constraints constraints_errors certify formulations errors errors_later
+        threads golden fortran)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     for program in "${programs[@]}"; do

@@ -122,6 +122,24 @@ static void check_constraints(uint32_t dim) {
     ko_field_free(field);
 }
 
+/* So are explicit formulations, over all points and over the nearest. */
+static void check_explicit(const double *points) {
+    ko_cloud *cloud = check_sphere(200);
+    for (int32_t kind = KO_EXPLICIT_HICKEN_KAUR_LINEAR; kind <= KO_EXPLICIT_NEAREST_POINT; kind++) {
+        for (uint32_t n_nearest = 0; n_nearest < 2; n_nearest++) {
+            ko_explicit_options options;
+            OK(ko_explicit_options_init(&options, sizeof options));
+            options.formulation = kind;
+            options.n_nearest = n_nearest;
+            ko_explicit *made = NULL;
+            CHECK(COUNTED(ko_explicit_create(cloud, &options, &made)) > 0);
+            CHECK(COUNTED(ko_explicit_eval(made, points, N, values, gradients)) == 0);
+            ko_explicit_free(made);
+        }
+    }
+    ko_cloud_free(cloud);
+}
+
 int main(void) {
     ko_field *field = check_sphere_field(8), *plane = check_circle_field(8);
     double *inside = check_points(N, 0.9, 1), *outside = check_points(N, 5.0, 2);
@@ -130,6 +148,7 @@ int main(void) {
     check_refined(inside, outside);
     check_constraints(2);
     check_constraints(3);
+    check_explicit(outside);
 
     /* The counter counts: these calls do allocate. */
     ko_mesh *mesh = NULL;

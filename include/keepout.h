@@ -233,6 +233,38 @@
 #define KO_WORLD 0
 
 /**
+ * Hicken and Kaur 2022, (1), linear: signed distances d_i to the planes at the points p_i, averaged under weights exp(-rho (Delta_i -
+ * Delta_min) / D), Delta_i = |x - p_i|. Differentiable over all points, but at the points themselves, where the gradient jumps by up to
+ * 2 rho |phi| / D; over the k nearest value and gradient jump where another point becomes one of them.
+ */
+#define KO_EXPLICIT_HICKEN_KAUR_LINEAR 0
+
+/**
+ * Hicken and Kaur 2022, (1), quadratic: d_i + (kappa_1 u^2 + kappa_2 v^2) / 2 for d_i, with u and v along the principal directions of
+ * curvature at p_i. These are fitted to the normals of the 12 nearest points that face the same way, in the plane 4, by least squares,
+ * positive where the solid is convex, and cut to 1 / the distance of the farthest of these. Jumps where the linear form does.
+ */
+#define KO_EXPLICIT_HICKEN_KAUR_QUADRATIC 1
+
+/**
+ * Lin et al. 2022, a reconstruction, as their formula was not at hand: d_i averaged under weights (Delta_i^2 + e^2)^(-q / 2). Smooth over
+ * all points; no distance, but of its sign near the surface. Read comparisons as trends.
+ */
+#define KO_EXPLICIT_LIN 2
+
+/**
+ * Distance to the plane at the nearest point, after Criado Risco et al. 2023. Value and gradient jump where the nearest point changes; the
+ * gradient is that plane's normal. `ko_mesh_signed_distance` has the distance to edges and triangles themselves.
+ */
+#define KO_EXPLICIT_NEAREST_PLANE 3
+
+/**
+ * Mean distance to the k nearest points, after Bergeles et al. 2015, with the sign of the side of the nearest one's plane. Value and
+ * gradient jump where the nearest points change, and where x crosses the surface between points.
+ */
+#define KO_EXPLICIT_NEAREST_POINT 4
+
+/**
  * Points of a design that move with it, and how densely they cover its surface. Freed by `ko_body_free`; constraints that were made of it
  * go on.
  */
@@ -251,6 +283,11 @@ typedef struct ko_cloud ko_cloud;
  * world: x_w = s R x + t, its parameters t [dim], those of the rotation, s.
  */
 typedef struct ko_constraints ko_constraints;
+
+/**
+ * A formulation that is a formula of the points of a cloud, to compare a field with. Freed by `ko_explicit_free`.
+ */
+typedef struct ko_explicit ko_explicit;
 
 /**
  * A level-set function phi, close to the signed distance to a shape. Freed by `ko_field_free`.
@@ -800,6 +837,77 @@ typedef struct ko_aggregation {
      */
     int32_t side;
 } ko_aggregation;
+
+/**
+ * How an explicit formulation is made. Initialise by `ko_explicit_options_init`, then set what shall differ.
+ */
+typedef struct ko_explicit_options {
+    /**
+     * sizeof(ko_explicit_options), set by ko_explicit_options_init.
+     */
+    size_t struct_size;
+    /**
+     * rho of (1), in 1 / D, in [1, 1e9]; 0 (default): 8 D / the points' spacing, the mean distance to the fourth nearest, in the plane to the
+     * second. Means nothing but for KO_EXPLICIT_HICKEN_KAUR_.
+     */
+    double smoothing;
+    /**
+     * e of KO_EXPLICIT_LIN, in units of D, in [1e-6, 1]. Default 0.01.
+     */
+    double softening;
+    /**
+     * KO_EXPLICIT_HICKEN_KAUR_LINEAR (default) or another KO_EXPLICIT_.
+     */
+    int32_t formulation;
+    /**
+     * k, at most 64: the nearest points that count. 0 (default): all, and 1 for KO_EXPLICIT_NEAREST_POINT. KO_EXPLICIT_NEAREST_PLANE takes 0
+     * or 1.
+     */
+    uint32_t n_nearest;
+    /**
+     * q of KO_EXPLICIT_LIN, in [1, 32]. Default 4.
+     */
+    uint32_t exponent;
+    /**
+     * KO_FEASIBLE_OUTSIDE (default) or KO_FEASIBLE_INSIDE: where the value is positive.
+     */
+    int32_t feasible;
+} ko_explicit_options;
+
+/**
+ * How two triangulations lie to each other. Filled by `ko_meshes_separation`.
+ */
+typedef struct ko_separation {
+    /**
+     * sizeof(ko_separation) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * Minimum distance of their triangles, or its KS; 0 where they cross, by KS below 0 there.
+     */
+    double minimum_distance;
+    /**
+     * Length of all segments along which their triangles cross; triangles that lie in one plane have none.
+     */
+    double intersection_length;
+    /**
+     * Derivatives of minimum_distance by the translation of mesh_b.
+     */
+    double distance_by_translation[3];
+    /**
+     * Derivatives of intersection_length by the translation of mesh_b.
+     */
+    double length_by_translation[3];
+    /**
+     * 1: a vertex of mesh_b, one for each part that is connected by vertices, lies inside mesh_a; 0: none does. Parts that do not cross mesh_a
+     * lie inside it whole or not at all.
+     */
+    int32_t b_in_a;
+    /**
+     * The same of mesh_a in mesh_b.
+     */
+    int32_t a_in_b;
+} ko_separation;
 
 #ifdef __cplusplus
 extern "C" {
@@ -1708,6 +1816,79 @@ int32_t ko_constraints_hessian(const struct ko_constraints *constraints,
                                size_t n_values,
                                size_t n_entries,
                                double *entries);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_explicit_options_init(struct ko_explicit_options *options, size_t struct_size);
+
+/**
+ * Makes an explicit formulation of the points of `cloud`; those of weight 0 take no part, other weights count alike.
+ *
+ * `options` NULL: the defaults, (1) over all points. `*formula` is the caller's to free; it does not refer to the cloud.
+ * Errors: KO_ERR_INVALID_ARGUMENT for an option out of its range or D outside [1e-90, 1e90], KO_ERR_DEGENERATE for points that are all
+ * equal, KO_ERR_UNSUPPORTED for an option that this library does not know, KO_ERR_OUT_OF_MEMORY.
+ * Threads: any. Cost: a copy; where nearest points, a spacing or curvatures are needed some microseconds a point. Memory: 100 bytes a point,
+ * with curvatures 170, with nearest points 80 more.
+ */
+int32_t ko_explicit_create(const struct ko_cloud *cloud,
+                           const struct ko_explicit_options *options,
+                           struct ko_explicit **formula);
+
+/**
+ * Frees an explicit formulation. NULL is taken. No other thread may be using it.
+ */
+void ko_explicit_free(struct ko_explicit *formula);
+
+/**
+ * Tells rho, in 1 / D, 0 where the formula has none. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_explicit_get_smoothing(const struct ko_explicit *formula,
+                                  double *smoothing);
+
+/**
+ * Evaluates the formulation at `points` [dim * n_points]: `values` [n_points] in the caller's unit of length, `gradients` [dim * n_points];
+ * each may be NULL.
+ *
+ * Gradients are exact; where the formula jumps or kinks, told at its KO_EXPLICIT_, they are those of one side, at a point of the cloud the
+ * mean of opposite sides'. There are no Hessians.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite or farther than 1e12 D from the cloud's middle along an axis.
+ * Threads: any number at once. Cost: over all N points O(N) a point, a nanosecond or some for each; over the k nearest a search of some
+ * microseconds. No allocation, no lock.
+ */
+int32_t ko_explicit_eval(const struct ko_explicit *formula,
+                         const double *points,
+                         size_t n_points,
+                         double *values,
+                         double *gradients);
+
+/**
+ * Tells how far two triangulations are apart, and how much they cross: the pair of constraints of Brelje et al. 2020, minimum distance > 0
+ * and intersection length = 0, with the test that must go with them, of `mesh_b` moved by `translation` [3], NULL for none. The meshes stay.
+ *
+ * `sharpness` 0: the minimum itself; in [1, 1e9]: KS from below, -(D / rho) ln sum exp(-rho d_ij / D) over the pairs of triangles, D the
+ * diagonal of mesh_a. `distance_gradients` and `length_gradients` [3 * n_vertices] are the derivatives by the vertices of mesh_b, `n_vertices`
+ * of `ko_mesh_get_size`; each may be NULL. `separation` may be NULL; `struct_size` is sizeof *separation.
+ * What is differentiable: the minimum is not where another pair, or another feature of it, becomes the nearest; KS is not where another
+ * feature of a pair does. Where the meshes cross, the minimum is 0 with gradient 0. The length is continuous but where triangles come to
+ * lie in one plane, has kinks where its ends go to other edges, and no bounded gradient where two triangles begin to cross. b_in_a and
+ * a_in_b have no derivatives: inside the other mesh nothing tells the way out. There are no Hessians.
+ * Errors: KO_ERR_UNSUPPORTED for meshes of the plane; KO_ERR_INVALID_ARGUMENT for a translation that is not finite, a sharpness out of its
+ * range, a wrong n_vertices, a diagonal outside [1e-90, 1e90], coordinates beyond 1e90; KO_ERR_OUT_OF_MEMORY.
+ * Threads: any number at once. Cost: the first call on a mesh builds its tree, some microseconds a triangle; then about a microsecond for
+ * each pair of triangles about as near as the nearest, or crossing, a test of sides for each connected part, and some nanoseconds a vertex.
+ */
+int32_t ko_meshes_separation(const struct ko_mesh *mesh_a,
+                             const struct ko_mesh *mesh_b,
+                             const double *translation,
+                             double sharpness,
+                             size_t n_vertices,
+                             size_t struct_size,
+                             struct ko_separation *separation,
+                             double *distance_gradients,
+                             double *length_gradients);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -111,6 +111,11 @@ fn certify() {
 }
 
 #[test]
+fn formulations() {
+    run("formulations", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }

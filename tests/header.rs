@@ -23,6 +23,7 @@ fn generated() -> Vec<u8> {
         "aggregation",
         "body",
         "constraints",
+        "formulations",
     ];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))
@@ -65,6 +66,7 @@ fn the_header_tells_the_defaults_of_the_code() {
     let n = keepout::geometry::orient::NormalOptions::default();
     let s = keepout::geometry::smooth::SmoothOptions::default();
     let c = keepout::field::CertifyOptions::default();
+    let e = keepout::constraint::formulations::ExplicitOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
         ("margin", d.margin),
@@ -80,6 +82,8 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("outlier_factor", n.outlier_factor),
         ("rounds", f64::from(s.rounds)),
         ("max_boxes", c.max_boxes as f64),
+        ("softening", e.softening),
+        ("exponent", f64::from(e.exponent)),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");

@@ -9,9 +9,11 @@ namespace bench {
 struct FreeConstraints {
     void operator()(ko_body *body) const { ko_body_free(body); }
     void operator()(ko_constraints *constraints) const { ko_constraints_free(constraints); }
+    void operator()(ko_explicit *formula) const { ko_explicit_free(formula); }
 };
 using Body = std::unique_ptr<ko_body, FreeConstraints>;
 using Constraints = std::unique_ptr<ko_constraints, FreeConstraints>;
+using Explicit = std::unique_ptr<ko_explicit, FreeConstraints>;
 
 inline Constraints constraints_of(std::uint32_t dim) {
     ko_constraints *made = nullptr;

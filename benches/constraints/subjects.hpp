@@ -8,5 +8,6 @@ namespace bench {
 
 void derivatives(const Data &data);  // against differences
 void speed(const Data &data);        // beside the field alone
+void figure_8(const Data &data);     // beside explicit formulations, against the number of samples
 
 }  // namespace bench

@@ -11,6 +11,7 @@
 //! | section 1, layout, shape, path | [`pose`], [`relative`], [`set`] |
 //! | section 3.5, aggregation | [`aggregation`] |
 //! | the constraint phi(x_i) >= 0, with derivatives | [`term`], [`hessian`], [`moments`] |
+//! | section 2.1, 2.2.3 with (1): the formulations of others | [`formulations`] |
 //!
 //! The paper keeps to translations and leaves the derivatives to its frameworks. Here all that poses do to a sample goes through the affine
 //! map z = M p + m: derivatives are summed over the samples by its twelve numbers, so that a body of many points costs little more than
@@ -23,6 +24,7 @@
 pub mod aggregation;
 pub mod body;
 mod exponential;
+pub mod formulations;
 mod hessian;
 mod layout;
 mod matrix;

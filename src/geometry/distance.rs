@@ -39,10 +39,10 @@ pub struct DistanceTree<const D: usize = 3> {
     /// Of the mesh, in the caller's unit.
     bounds: Bounds<D>,
     /// Everything below is in this unit.
-    unit: Unit,
-    tree: Bvh<D>,
+    pub(super) unit: Unit,
+    pub(super) tree: Bvh<D>,
     /// Corners of the facets in the tree's order.
-    corners: Vec<[[f64; D]; D]>,
+    pub(super) corners: Vec<[[f64; D]; D]>,
     winding: Winding<D>,
 }
 

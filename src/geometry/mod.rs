@@ -10,6 +10,7 @@
 //! | paper 000 (1) and (2), signed distance | [`distance`] |
 //! | paper 000, Algorithm 1, step 1 | [`sample`] |
 //! | Ericson 2005, 5.1.5, closest point of a triangle | `triangle::closest` |
+//! | the same, 5.1.9, nearest points of segments; of triangles, and where these cross | `triangle_pair`, `pairs` |
 //! | van Oosterom and Strackee 1983, (8), solid angle | `triangle::solid_angle` |
 //! | Jacobson et al. 2013, winding number | `winding::Winding::exact` |
 //! | Barill et al. 2018, its far field; winding number of a cloud | `winding::Moments::far_field`; [`surfels`] |
@@ -38,7 +39,7 @@ pub mod cloud;
 mod components;
 mod crossings;
 pub mod distance;
-mod edges;
+pub(crate) mod edges;
 mod eliminate;
 pub(crate) mod facet;
 pub mod mesh;
@@ -47,6 +48,7 @@ pub mod neighbours;
 mod nesting;
 pub mod normals;
 pub mod orient;
+pub(crate) mod pairs;
 pub mod polylines;
 mod predicate;
 pub mod random;
@@ -60,6 +62,7 @@ pub mod sides;
 pub mod smooth;
 pub mod surfels;
 mod triangle;
+pub(crate) mod triangle_pair;
 mod unit;
 pub mod vec;
 mod winding;

@@ -180,7 +180,7 @@ fn corners<const D: usize>() -> [[f64; D]; D] {
 }
 
 /// Unit vectors that span the plane of `n`, and `n` last: in space u x v = n, in the plane n lies to the right of u.
-pub(super) fn tangents<const D: usize>(n: [f64; D]) -> [[f64; D]; D] {
+pub(crate) fn tangents<const D: usize>(n: [f64; D]) -> [[f64; D]; D] {
     if D == 2 {
         return std::array::from_fn(|row| if row == 0 { std::array::from_fn(|k| [-n[1], n[0]][k]) } else { n });
     }
