@@ -10,6 +10,7 @@ static_assert(!std::is_copy_constructible_v<keepout::Mesh> && std::is_nothrow_mo
 static_assert(!std::is_copy_constructible_v<keepout::Cloud> && std::is_nothrow_move_constructible_v<keepout::Cloud>);
 static_assert(!std::is_copy_constructible_v<keepout::Field> && std::is_nothrow_move_constructible_v<keepout::Field>);
 static_assert(!std::is_copy_constructible_v<keepout::Body> && std::is_nothrow_move_constructible_v<keepout::Body>);
+static_assert(!std::is_copy_constructible_v<keepout::Explicit> && std::is_nothrow_move_constructible_v<keepout::Explicit>);
 static_assert(!std::is_copy_constructible_v<keepout::Constraints> && std::is_nothrow_move_constructible_v<keepout::Constraints>);
 
 static_assert(std::is_convertible_v<std::vector<double>, keepout::Span<const double>>);
@@ -350,6 +351,47 @@ static void fields_are_certified() {
     CHECK(caught);
 }
 
+static void formulas_are_evaluated() {
+    const keepout::Cloud cloud = cube().sample(2000, 1);
+    keepout::ExplicitOptions options;
+    options.formulation = KO_EXPLICIT_NEAREST_PLANE;
+    const keepout::Explicit plane = keepout::Explicit::create(cloud, options), smooth = keepout::Explicit::create(cloud);
+    const std::array<double, 6> points = {0.1, 0.2, 1.1, 0.9, 0.0, -0.1};
+    std::array<double, 2> values;
+    std::array<double, 6> gradients;
+    plane.eval(points, values, gradients);
+    CHECK(plane.dim() == 3 && plane.smoothing() == 0.0 && smooth.smoothing() > 0.0);
+    CHECK_NEAR(values[0], 0.1, 1e-14);
+    CHECK_NEAR(values[1], -0.1, 1e-14);
+    CHECK_NEAR(gradients[2], 1.0, 1e-14);
+    CHECK_NEAR(smooth.values(points)[0], 0.1, 1e-2);
+    options.feasible = KO_FEASIBLE_INSIDE;
+    CHECK(keepout::Explicit::create(cloud, options).values(points)[0] == -values[0]);
+    CHECK(keepout::Explicit::create(frame().sample(100, 1)).dim() == 2);
+    THROWS(plane.eval(points, keepout::Span<double>(gradients.data(), 3)), KO_ERR_INVALID_ARGUMENT, "values has room");
+    options.n_nearest = 2;
+    THROWS(keepout::Explicit::create(cloud, options), KO_ERR_INVALID_ARGUMENT, "n_nearest");
+}
+
+static void meshes_are_separated() {
+    const keepout::Mesh a = cube(), b = cube();
+    const std::array<double, 3> apart = {5, 0.5, 6}, through = {1.5, 1.25, 0.5};
+    std::array<double, 24> by_distance, by_length;
+    ko_separation found = keepout::separation(a, b, apart, 0.0, by_distance, by_length);
+    CHECK_NEAR(found.minimum_distance, 5.0, 1e-14);
+    CHECK(found.intersection_length == 0.0 && found.a_in_b == 0 && by_length[0] == 0.0);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < 24; i += 3) sum += by_distance[i];
+    CHECK_NEAR(sum, found.distance_by_translation[0], 1e-15);
+    CHECK(keepout::separation(a, b, apart, 1000.0).minimum_distance <= found.minimum_distance);
+    found = keepout::separation(a, b, through);
+    CHECK(found.minimum_distance == 0.0);
+    CHECK_NEAR(found.intersection_length, 5.5, 1e-12);
+    THROWS(keepout::separation(a, frame()), KO_ERR_UNSUPPORTED, "mesh_b");
+    THROWS(keepout::separation(a, b, apart, 0.0, keepout::Span<double>(by_distance.data(), 3)), KO_ERR_INVALID_ARGUMENT,
+           "distance_gradients has room");
+}
+
 /// Weights leave points out, and a robust fit finds them by itself.
 static void clouds_are_not_trusted_alike() {
     const keepout::Cloud whole = cube().sample(400, 1);
@@ -580,6 +622,8 @@ int main() {
     bodies_are_points();
     constraints_are_differentiated();
     constraints_are_checked();
+    formulas_are_evaluated();
+    meshes_are_separated();
     versions_are_told();
     errors_are_exceptions();
     progress_is_heard();

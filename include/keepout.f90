@@ -55,6 +55,11 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_SCALE_ONE = 0
   integer(c_int32_t), parameter :: KO_SCALE_FREE = 1
   integer(c_int32_t), parameter :: KO_WORLD = 0
+  integer(c_int32_t), parameter :: KO_EXPLICIT_HICKEN_KAUR_LINEAR = 0
+  integer(c_int32_t), parameter :: KO_EXPLICIT_HICKEN_KAUR_QUADRATIC = 1
+  integer(c_int32_t), parameter :: KO_EXPLICIT_LIN = 2
+  integer(c_int32_t), parameter :: KO_EXPLICIT_NEAREST_PLANE = 3
+  integer(c_int32_t), parameter :: KO_EXPLICIT_NEAREST_POINT = 4
 
   type, bind(c) :: ko_mesh_report
     integer(c_size_t) :: struct_size
@@ -194,6 +199,27 @@ module keepout_c
     integer(c_int64_t) :: n_components
     integer(c_int32_t) :: side_certified
     integer(c_int32_t) :: budget_reached
+  end type
+
+  ! Made by keepout_explicit_options() with the defaults.
+  type, bind(c) :: ko_explicit_options
+    integer(c_size_t) :: struct_size
+    real(c_double) :: smoothing
+    real(c_double) :: softening
+    integer(c_int32_t) :: formulation
+    integer(c_int32_t) :: n_nearest
+    integer(c_int32_t) :: exponent
+    integer(c_int32_t) :: feasible
+  end type
+
+  type, bind(c) :: ko_separation
+    integer(c_size_t) :: struct_size
+    real(c_double) :: minimum_distance
+    real(c_double) :: intersection_length
+    real(c_double) :: distance_by_translation(3)
+    real(c_double) :: length_by_translation(3)
+    integer(c_int32_t) :: b_in_a
+    integer(c_int32_t) :: a_in_b
   end type
 
   ! Made by keepout_aggregation() with the defaults.
@@ -902,12 +928,64 @@ module keepout_c
       real(c_double), intent(inout) :: entries(*)
       integer(c_int32_t) :: status
     end function
+
+    function ko_explicit_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_explicit_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_explicit_create(cloud, options, formula) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      type(ko_explicit_options), intent(in) :: options
+      type(c_ptr), intent(out) :: formula
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_explicit_free(formula) bind(c)
+      import
+      type(c_ptr), value :: formula
+    end subroutine
+
+    function ko_explicit_get_smoothing(formula, smoothing) bind(c) result(status)
+      import
+      type(c_ptr), value :: formula
+      real(c_double), intent(inout) :: smoothing
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_explicit_eval(formula, points, n_points, values, gradients) bind(c) result(status)
+      import
+      type(c_ptr), value :: formula
+      real(c_double), intent(in) :: points(*)
+      integer(c_size_t), value :: n_points
+      type(c_ptr), value :: values
+      type(c_ptr), value :: gradients
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_meshes_separation(mesh_a, mesh_b, translation, sharpness, n_vertices, struct_size, separation, &
+      distance_gradients, length_gradients) bind(c) result(status)
+      import
+      type(c_ptr), value :: mesh_a
+      type(c_ptr), value :: mesh_b
+      type(c_ptr), value :: translation
+      real(c_double), value :: sharpness
+      integer(c_size_t), value :: n_vertices
+      integer(c_size_t), value :: struct_size
+      type(ko_separation), intent(inout) :: separation
+      type(c_ptr), value :: distance_gradients
+      type(c_ptr), value :: length_gradients
+      integer(c_int32_t) :: status
+    end function
   end interface
 end module
 
-! Handles. A keepout_mesh, _cloud, _field, _body or _constraints is filled by a call on it (`call field%fit(cloud)`), which frees what it held, and is
-!   freed by free() or when it goes out of scope. It has one owner: assigning one ends the program; move_alloc moves one that is
-!   allocatable.
+! Handles. A keepout_mesh, _cloud, _field, _body, _constraints or _explicit is filled by a call on it (`call field%fit(cloud)`), which
+!   frees what it held, and is freed by free() or when it goes out of scope. It has one owner: assigning one ends the program;
+!   move_alloc moves one that is allocatable.
 ! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX,
 !   KO_BUDGET_REACHED) or one of KO_ERR_..., errmsg is set on failure. A call that fails without stat ends the program with its message.
 ! Threads. As in C: calls that take their handle as intent(in) may be made at once from any number of threads.
@@ -1046,6 +1124,22 @@ module keepout
     final :: constraints_final
   end type
 
+  ! A formulation that is a formula of the points of a cloud, to compare a field with.
+  type :: keepout_explicit
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+  contains
+    procedure :: create => explicit_create
+    procedure :: free => explicit_free
+    procedure :: dim => explicit_dim
+    procedure :: smoothing => explicit_smoothing
+    procedure :: eval => explicit_eval
+    procedure :: c_handle => explicit_c_handle
+    procedure, private :: explicit_assign
+    generic :: assignment(=) => explicit_assign
+    final :: explicit_final
+  end type
+
   ! Extended by who wants to be told of progress, with what he keeps meanwhile.
   type, abstract :: keepout_listener
   contains
@@ -1092,6 +1186,8 @@ module keepout
   private :: constraints_values_and_jacobian, constraints_dense_jacobian, constraints_jacobian_times
   private :: constraints_transposed_jacobian_times, constraints_hessian_pattern, constraints_hessian, constraints_c_handle
   private :: constraints_assign, constraints_final
+  private :: explicit_create, explicit_free, explicit_dim, explicit_smoothing, explicit_eval, explicit_c_handle, explicit_assign
+  private :: explicit_final
   private :: field_outside_box, field_c_handle, field_assign, field_final, addresses, pass_on, hear_progress
 
 contains
@@ -1145,6 +1241,12 @@ contains
   function keepout_certify_options() result(options)
     type(ko_certify_options) :: options
     call settle(ko_certify_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of explicit formulations with the defaults.
+  function keepout_explicit_options() result(options)
+    type(ko_explicit_options) :: options
+    call settle(ko_explicit_options_init(options, c_sizeof(options)))
   end function
 
   ! How values of samples become one, with the defaults: KS.
@@ -1684,7 +1786,7 @@ contains
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
     type(c_ptr) :: to(3)
-    if (.not. addresses(self, points, values, gradients, hessians, to, stat, errmsg)) return
+    if (.not. addresses(self%width, points, values, gradients, hessians, to, stat, errmsg)) return
     call settle(ko_field_eval(self%handle, points, size(points, 2, c_size_t), to(1), to(2), to(3)), stat, errmsg)
   end subroutine
 
@@ -1699,14 +1801,14 @@ contains
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
     type(c_ptr) :: to(3)
-    if (.not. addresses(self, points, values, gradients, hessians, to, stat, errmsg)) return
+    if (.not. addresses(self%width, points, values, gradients, hessians, to, stat, errmsg)) return
     call settle(ko_field_eval_parallel(self%handle, points, size(points, 2, c_size_t), to(1), to(2), to(3), &
       int(n_threads, c_int32_t)), stat, errmsg)
   end subroutine
 
   ! Where values, gradients and hessians go: NULL for what is not wanted. False when one has not the shape that `points` asks for.
-  logical function addresses(self, points, values, gradients, hessians, to, stat, errmsg)
-    class(keepout_field), intent(in) :: self
+  logical function addresses(width, points, values, gradients, hessians, to, stat, errmsg)
+    integer, intent(in) :: width
     real(c_double), intent(in) :: points(:, :)
     real(c_double), intent(inout), contiguous, target, optional :: values(:)
     real(c_double), intent(inout), contiguous, target, optional :: gradients(:, :)
@@ -1719,18 +1821,18 @@ contains
     n = size(points, 2)
     addresses = .true.
     ! Without a handle the call itself fails, and without points nothing is written.
-    if (self%width == 0 .or. n == 0) return
-    addresses = right_size("points", "rows", size(points, 1), self%width, stat, errmsg)
+    if (width == 0 .or. n == 0) return
+    addresses = right_size("points", "rows", size(points, 1), width, stat, errmsg)
     if (addresses .and. present(values)) then
       addresses = right_size("values", "entries", size(values), n, stat, errmsg)
       to(1) = c_loc(values)
     end if
     if (addresses .and. present(gradients)) then
-      addresses = right_shape("gradients", shape(gradients), [self%width, n], stat, errmsg)
+      addresses = right_shape("gradients", shape(gradients), [width, n], stat, errmsg)
       to(2) = c_loc(gradients)
     end if
     if (addresses .and. present(hessians)) then
-      addresses = right_shape("hessians", shape(hessians), [self%width * (self%width + 1) / 2, n], stat, errmsg)
+      addresses = right_shape("hessians", shape(hessians), [width * (width + 1) / 2, n], stat, errmsg)
       to(3) = c_loc(hessians)
     end if
   end function
@@ -2159,6 +2261,103 @@ contains
     handle = self%handle
   end function
 
+  ! ---- Other formulations
+
+  ! Of the points of `cloud`, to which it does not refer.
+  subroutine explicit_create(self, cloud, options, stat, errmsg)
+    class(keepout_explicit), intent(inout) :: self
+    type(keepout_cloud), intent(in) :: cloud
+    type(ko_explicit_options), intent(in), optional :: options
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_explicit_options) :: plain
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_explicit_options()
+    if (present(options)) plain = options
+    status = ko_explicit_create(cloud%handle, plain, handle)
+    if (status >= KO_OK) then
+      call self%free()
+      self%handle = handle
+      self%width = cloud%width
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine explicit_free(self)
+    class(keepout_explicit), intent(inout) :: self
+    call ko_explicit_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function explicit_dim(self)
+    class(keepout_explicit), intent(in) :: self
+    explicit_dim = self%width
+  end function
+
+  ! Tells rho, in 1 / D; 0 where the formula has none.
+  subroutine explicit_smoothing(self, smoothing, stat, errmsg)
+    class(keepout_explicit), intent(in) :: self
+    real(c_double), intent(inout) :: smoothing
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_explicit_get_smoothing(self%handle, smoothing), stat, errmsg)
+  end subroutine
+
+  ! Evaluates at points (dim, n) into values (n) and gradients (dim, n). No allocation, no lock, where the arrays are contiguous.
+  subroutine explicit_eval(self, points, values, gradients, stat, errmsg)
+    class(keepout_explicit), intent(in) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: values(:)
+    real(c_double), intent(inout), contiguous, target, optional :: gradients(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: to(3)
+    if (.not. addresses(self%width, points, values, gradients, to=to, stat=stat, errmsg=errmsg)) return
+    call settle(ko_explicit_eval(self%handle, points, size(points, 2, c_size_t), to(1), to(2)), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the formulation's.
+  pure function explicit_c_handle(self) result(handle)
+    class(keepout_explicit), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! How far two triangulations are apart, and how much they cross, with mesh_b moved by translation (3). `sharpness` 0, the default: the
+  ! minimum distance itself, else its KS. The gradients (3, mesh_b%n_vertices()) are by the vertices of mesh_b.
+  subroutine keepout_separation(mesh_a, mesh_b, separation, translation, sharpness, distance_gradients, length_gradients, stat, &
+    errmsg)
+    type(keepout_mesh), intent(in) :: mesh_a, mesh_b
+    type(ko_separation), intent(inout) :: separation
+    real(c_double), intent(in), target, optional :: translation(3)
+    real(c_double), intent(in), optional :: sharpness
+    real(c_double), intent(inout), contiguous, target, optional :: distance_gradients(:, :), length_gradients(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: by, to(2)
+    real(c_double) :: rho
+    integer :: right(2)
+    by = c_null_ptr
+    to = c_null_ptr
+    rho = 0
+    right = [3, int(mesh_b%vertices)]
+    if (present(translation)) by = c_loc(translation)
+    if (present(sharpness)) rho = sharpness
+    if (present(distance_gradients)) then
+      if (.not. right_shape("distance_gradients", shape(distance_gradients), right, stat, errmsg)) return
+      to(1) = c_loc(distance_gradients)
+    end if
+    if (present(length_gradients)) then
+      if (.not. right_shape("length_gradients", shape(length_gradients), right, stat, errmsg)) return
+      to(2) = c_loc(length_gradients)
+    end if
+    call settle(ko_meshes_separation(mesh_a%handle, mesh_b%handle, by, rho, mesh_b%vertices, c_sizeof(separation), separation, &
+      to(1), to(2)), stat, errmsg)
+  end subroutine
+
   ! ---- Ownership
 
   subroutine mesh_adopt(self, handle)
@@ -2229,6 +2428,11 @@ contains
     call self%free()
   end subroutine
 
+  impure elemental subroutine explicit_final(self)
+    type(keepout_explicit), intent(inout) :: self
+    call self%free()
+  end subroutine
+
   ! A copy would be freed twice. Two that hold nothing are equal already.
   subroutine mesh_assign(left, right)
     class(keepout_mesh), intent(inout) :: left
@@ -2258,6 +2462,12 @@ contains
     class(keepout_constraints), intent(inout) :: left
     class(keepout_constraints), intent(in) :: right
     if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: keepout_constraints cannot be assigned"
+  end subroutine
+
+  subroutine explicit_assign(left, right)
+    class(keepout_explicit), intent(inout) :: left
+    class(keepout_explicit), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_explicit cannot be assigned"
   end subroutine
 
   ! ---- Strings and errors

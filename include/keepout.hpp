@@ -203,6 +203,13 @@ struct Aggregation : ko_aggregation {
     Aggregation() : ko_aggregation() { detail::check(ko_aggregation_init(this, sizeof(ko_aggregation))); }
 };
 
+/// ko_explicit_options with the defaults: KO_EXPLICIT_HICKEN_KAUR_LINEAR over all points.
+struct ExplicitOptions : ko_explicit_options {
+    ExplicitOptions() : ko_explicit_options() {
+        detail::check(ko_explicit_options_init(this, sizeof(ko_explicit_options)));
+    }
+};
+
 namespace detail {
 
 /// Stands between C and an on_progress: no exception passes.
@@ -961,6 +968,77 @@ public:
 private:
     detail::Handle<ko_constraints, ko_constraints_free> handle_;
 };
+
+/// A formulation that is a formula of the points of a cloud, to compare a field with.
+class Explicit {
+public:
+    /// Takes ownership of `handle`, made of a cloud of dimension `dim`.
+    explicit Explicit(ko_explicit *handle, std::uint32_t dim) noexcept : handle_(handle), dim_(dim) {}
+
+    /// Of the points of `cloud`, to which it does not refer.
+    static Explicit create(const Cloud &cloud, const ExplicitOptions &options = {}) {
+        ko_explicit *handle = nullptr;
+        detail::check(ko_explicit_create(cloud.get(), &options, &handle));
+        return Explicit(handle, cloud.dim());
+    }
+
+    /// 3 in space, 2 in the plane.
+    std::uint32_t dim() const noexcept { return dim_; }
+
+    /// rho, in 1 / D; 0 where the formula has none.
+    double smoothing() const {
+        double smoothing = 0.0;
+        detail::check(ko_explicit_get_smoothing(get(), &smoothing));
+        return smoothing;
+    }
+
+    /// Evaluates at points [dim() * n] into values [n] and gradients [dim() * n]; empty: not wanted. No allocation, no lock; any number of
+    /// threads at once.
+    void eval(Span<const double> points, Span<double> values, Span<double> gradients = {}) const {
+        const std::size_t n = detail::count("points", points.size(), dim_);
+        if (!values.empty()) {
+            detail::check_size("values", values.size(), n);
+        }
+        if (!gradients.empty()) {
+            detail::check_size("gradients", gradients.size(), dim_ * n);
+        }
+        detail::check(ko_explicit_eval(get(), points.data(), n, values.data(), gradients.data()));
+    }
+
+    /// Values alone at points [dim() * n].
+    std::vector<double> values(Span<const double> points) const {
+        std::vector<double> values(detail::count("points", points.size(), dim_));
+        eval(points, values);
+        return values;
+    }
+
+    const ko_explicit *get() const noexcept { return handle_.get(); }
+    ko_explicit *get() noexcept { return handle_.get(); }
+
+private:
+    detail::Handle<ko_explicit, ko_explicit_free> handle_;
+    std::uint32_t dim_;
+};
+
+/// How far two triangulations are apart, and how much they cross, with `b` moved by `translation` [3], empty for none. `sharpness` 0: the
+/// minimum distance itself, else its KS. The gradients [3 * b.n_vertices()] are by the vertices of `b`; empty: not wanted.
+inline ko_separation separation(const Mesh &a, const Mesh &b, Span<const double> translation = {}, double sharpness = 0.0,
+                                Span<double> distance_gradients = {}, Span<double> length_gradients = {}) {
+    const std::size_t n = b.n_vertices();
+    if (!translation.empty()) {
+        detail::check_size("translation", translation.size(), 3);
+    }
+    if (!distance_gradients.empty()) {
+        detail::check_size("distance_gradients", distance_gradients.size(), 3 * n);
+    }
+    if (!length_gradients.empty()) {
+        detail::check_size("length_gradients", length_gradients.size(), 3 * n);
+    }
+    ko_separation found;
+    detail::check(ko_meshes_separation(a.get(), b.get(), translation.data(), sharpness, n, sizeof found, &found,
+                                       distance_gradients.data(), length_gradients.data()));
+    return found;
+}
 
 } // namespace keepout
 

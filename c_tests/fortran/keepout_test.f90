@@ -54,6 +54,8 @@ program keepout_test
   call bodies_are_points()
   call constraints_are_differentiated()
   call constraints_are_checked()
+  call formulas_are_evaluated()
+  call meshes_are_separated()
   call progress_is_heard()
   call errors_are_told()
   call handles_have_one_owner()
@@ -482,6 +484,63 @@ contains
     call curves%copy_component_points(points)
     call holds(all(shape(points) == [2, 2]), "shape of component points")
     call near(maxval(abs(points - frame_points(:, 1:5:4))), 0.0_c_double, 0.0_c_double, "mesh%copy_component_points")
+  end subroutine
+
+  subroutine formulas_are_evaluated()
+    type(keepout_mesh) :: mesh
+    type(keepout_cloud) :: cloud
+    type(keepout_explicit) :: formula
+    type(ko_explicit_options) :: options
+    real(c_double) :: points(3, 2), values(2), gradients(3, 2), smoothing
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    points = reshape([0.1_c_double, 0.2_c_double, 1.1_c_double, 0.9_c_double, 0.0_c_double, -0.1_c_double], [3, 2])
+    call cube(mesh)
+    call mesh%sample(2000, 1, cloud)
+    call formula%create(cloud)
+    call formula%smoothing(smoothing)
+    call holds(formula%dim() == 3 .and. smoothing > 0, "explicit%smoothing")
+    call formula%eval(points, values)
+    call near(values(1), 0.1_c_double, 1e-2_c_double, "explicit%eval")
+    options = keepout_explicit_options()
+    options%formulation = KO_EXPLICIT_NEAREST_PLANE
+    call formula%create(cloud, options)
+    call formula%eval(points, values, gradients)
+    call near(maxval(abs(values - [0.1_c_double, -0.1_c_double])), 0.0_c_double, 1e-14_c_double, "distances to planes")
+    call near(gradients(3, 1), 1.0_c_double, 1e-14_c_double, "the normal of a plane")
+    call formula%eval(points, values(:1), stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "values")
+    options%n_nearest = 2
+    call formula%create(cloud, options, stat, errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "n_nearest")
+    call holds(c_associated(formula%c_handle()), "what failed frees nothing")
+    call formula%free()
+    call formula%eval(points, values, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "NULL")
+  end subroutine
+
+  subroutine meshes_are_separated()
+    type(keepout_mesh) :: a, b, plane
+    type(ko_separation) :: found
+    real(c_double), parameter :: apart(3) = [5.0_c_double, 0.5_c_double, 6.0_c_double]
+    real(c_double) :: by_distance(3, 8), by_length(3, 8)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    call cube(a)
+    call cube(b)
+    call keepout_separation(a, b, found, apart, distance_gradients=by_distance, length_gradients=by_length)
+    call near(found%minimum_distance, 5.0_c_double, 1e-14_c_double, "keepout_separation")
+    call near(maxval(abs(sum(by_distance, 2) - found%distance_by_translation)), 0.0_c_double, 1e-15_c_double, "by vertices")
+    call near(maxval(abs(by_length)), 0.0_c_double, 0.0_c_double, "meshes apart have no intersection")
+    call keepout_separation(a, b, found, apart, 1000.0_c_double)
+    call holds(found%minimum_distance <= 5, "KS from below")
+    call keepout_separation(a, b, found, [1.5_c_double, 1.25_c_double, 0.5_c_double])
+    call near(found%intersection_length, 5.5_c_double, 1e-12_c_double, "intersection_length")
+    call keepout_separation(a, b, found, distance_gradients=by_distance(:, :7), stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "distance_gradients")
+    call frame(plane)
+    call keepout_separation(a, plane, found, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_UNSUPPORTED, "mesh_b")
   end subroutine
 
   ! Weights leave points out, and a robust fit finds them by itself.

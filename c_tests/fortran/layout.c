@@ -12,6 +12,8 @@ size_t layout_level_set_options(size_t *offsets);
 size_t layout_certify_options(size_t *offsets);
 size_t layout_certificate(size_t *offsets);
 size_t layout_aggregation(size_t *offsets);
+size_t layout_explicit_options(size_t *offsets);
+size_t layout_separation(size_t *offsets);
 
 #define PUT(field) *offsets++ = offsetof(STRUCT, field)
 
@@ -183,6 +185,32 @@ size_t layout_aggregation(size_t *offsets) {
     PUT(sharpness);
     PUT(kind);
     PUT(side);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_explicit_options
+size_t layout_explicit_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(smoothing);
+    PUT(softening);
+    PUT(formulation);
+    PUT(n_nearest);
+    PUT(exponent);
+    PUT(feasible);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_separation
+size_t layout_separation(size_t *offsets) {
+    PUT(struct_size);
+    PUT(minimum_distance);
+    PUT(intersection_length);
+    PUT(distance_by_translation);
+    PUT(length_by_translation);
+    PUT(b_in_a);
+    PUT(a_in_b);
     return sizeof(STRUCT);
 }
 #undef STRUCT

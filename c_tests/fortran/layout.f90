@@ -68,6 +68,18 @@ module layout
       integer(c_size_t), intent(inout) :: offsets(*)
       integer(c_size_t) :: bytes
     end function
+
+    function layout_explicit_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_separation(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
   end interface
 
 contains
@@ -83,6 +95,8 @@ contains
     call check_certify_options()
     call check_certificate()
     call check_aggregation()
+    call check_explicit_options()
+    call check_separation()
   end subroutine
 
   ! Bytes from `start` to `field`.
@@ -271,5 +285,33 @@ contains
     found(3) = offset(c_loc(x), c_loc(x%kind))
     found(4) = offset(c_loc(x), c_loc(x%side))
     call holds(all(found == right), "offsets in ko_aggregation")
+  end subroutine
+
+  subroutine check_explicit_options()
+    type(ko_explicit_options), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_explicit_options(right), "bytes of ko_explicit_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%smoothing))
+    found(3) = offset(c_loc(x), c_loc(x%softening))
+    found(4) = offset(c_loc(x), c_loc(x%formulation))
+    found(5) = offset(c_loc(x), c_loc(x%n_nearest))
+    found(6) = offset(c_loc(x), c_loc(x%exponent))
+    found(7) = offset(c_loc(x), c_loc(x%feasible))
+    call holds(all(found == right), "offsets in ko_explicit_options")
+  end subroutine
+
+  subroutine check_separation()
+    type(ko_separation), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_separation(right), "bytes of ko_separation")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%minimum_distance))
+    found(3) = offset(c_loc(x), c_loc(x%intersection_length))
+    found(4) = offset(c_loc(x), c_loc(x%distance_by_translation))
+    found(5) = offset(c_loc(x), c_loc(x%length_by_translation))
+    found(6) = offset(c_loc(x), c_loc(x%b_in_a))
+    found(7) = offset(c_loc(x), c_loc(x%a_in_b))
+    call holds(all(found == right), "offsets in ko_separation")
   end subroutine
 end module

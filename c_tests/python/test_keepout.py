@@ -521,6 +521,41 @@ class Bounding(TestCase):
             constraints.values(x)
 
 
+class Formulations(TestCase):
+    def test_formulas(self):
+        cloud = cube().sample(2000, seed=1)
+        points = [[0.1, 0.2, 1.1], [0.9, 0.0, -0.1]]
+        smooth = keepout.Explicit.create(cloud)
+        self.assertGreater(smooth.smoothing, 0.0)
+        np.testing.assert_allclose(smooth(points), [0.1, -0.1], atol=1e-2)
+        options = keepout.ExplicitOptions(formulation=keepout.Formulation.NEAREST_PLANE)
+        values, gradients = keepout.Explicit.create(cloud, options).eval(points)
+        np.testing.assert_allclose(values, [0.1, -0.1], atol=1e-14)
+        np.testing.assert_allclose(gradients, [[0, 0, 1], [1, 0, 0]], atol=1e-14)
+        self.assertEqual(keepout.Explicit.create(frame().sample(100)).dim, 2)
+        options.n_nearest = 2
+        with self.fails(Status.INVALID_ARGUMENT, "n_nearest"):
+            keepout.Explicit.create(cloud, options)
+        smooth.close()
+        with self.fails(Status.INVALID_ARGUMENT, "formula is NULL"):
+            smooth(points)
+
+    def test_separation(self):
+        a, b, apart = cube(), cube(), [5, 0.5, 6]
+        by_distance, by_length = np.empty((8, 3)), np.empty((8, 3))
+        found = keepout.separation(a, b, apart, distance_gradients=by_distance, length_gradients=by_length)
+        self.assertAlmostEqual(found.minimum_distance, 5.0)
+        np.testing.assert_allclose(by_distance.sum(axis=0), found.distance_by_translation, atol=1e-15)
+        np.testing.assert_array_equal(by_length, 0)
+        self.assertLessEqual(keepout.separation(a, b, apart, sharpness=1000.0).minimum_distance, found.minimum_distance)
+        self.assertAlmostEqual(keepout.separation(a, b, [1.5, 1.25, 0.5]).intersection_length, 5.5)
+        with self.fails(Status.UNSUPPORTED, "mesh_b"):
+            keepout.separation(a, frame())
+        for wrong in ({"translation": [1, 2]}, {"translation": np.empty((0, 3))}, {"length_gradients": by_length[:7]}):
+            with self.fails(Status.INVALID_ARGUMENT, next(iter(wrong))):
+                keepout.separation(a, b, **wrong)
+
+
 class ProgressIsHeard(TestCase):
     def test_progress(self):
         heard = []

@@ -6,7 +6,8 @@
 
 Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous float64 is handed over as it is, all else is
 copied first; eval_into writes to arrays of the caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
-Handles. Mesh, Cloud, Field, Body and Constraints free what they hold with the last reference to them, at the end of a `with` block, or by close().
+Handles. Mesh, Cloud, Field, Body, Constraints and Explicit free what they hold with the last reference to them, at the end of a
+`with` block, or by close().
 Errors. A call that fails raises Error, with the library's message and its status.
 Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
 The library is the file $KEEPOUT_LIBRARY, else one beside this file or in a build tree above it, else where the system finds it.
@@ -127,6 +128,16 @@ WORLD = 0
 """The frame of all constraints that does not move."""
 
 
+class Formulation(enum.IntEnum):
+    """Formulas of an Explicit, told at KO_EXPLICIT_."""
+
+    HICKEN_KAUR_LINEAR = 0
+    HICKEN_KAUR_QUADRATIC = 1
+    LIN = 2
+    NEAREST_PLANE = 3
+    NEAREST_POINT = 4
+
+
 class Polylines(enum.IntEnum):
     """Whether polylines go back to their first points."""
 
@@ -162,6 +173,10 @@ class ko_body(ctypes.Structure):
 
 
 class ko_constraints(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_explicit(ctypes.Structure):
     """Opaque."""
 
 
@@ -358,6 +373,34 @@ class ko_aggregation(_Struct):
     ]
 
 
+class ko_explicit_options(_Struct):
+    """Options of Explicit.create; see ExplicitOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("smoothing", c_double),
+        ("softening", c_double),
+        ("formulation", c_int32),
+        ("n_nearest", c_uint32),
+        ("exponent", c_uint32),
+        ("feasible", c_int32),
+    ]
+
+
+class ko_separation(_Struct):
+    """How two triangulations lie to each other."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("minimum_distance", c_double),
+        ("intersection_length", c_double),
+        ("distance_by_translation", c_double * 3),
+        ("length_by_translation", c_double * 3),
+        ("b_in_a", c_int32),
+        ("a_in_b", c_int32),
+    ]
+
+
 # ---- The library
 
 
@@ -387,6 +430,7 @@ _cloud = POINTER(ko_cloud)
 _field = POINTER(ko_field)
 _body = POINTER(ko_body)
 _constraints = POINTER(ko_constraints)
+_explicit = POINTER(ko_explicit)
 _doubles = POINTER(c_double)
 _indices = POINTER(c_uint32)
 
@@ -592,6 +636,25 @@ _constraints_hessian = _bind(
     "ko_constraints_hessian", c_int32, _constraints, _doubles, c_size_t, _doubles, c_size_t, c_size_t, _doubles
 )
 
+_explicit_options_init = _bind("ko_explicit_options_init", c_int32, POINTER(ko_explicit_options), c_size_t)
+_explicit_create = _bind("ko_explicit_create", c_int32, _cloud, POINTER(ko_explicit_options), POINTER(_explicit))
+_explicit_free = _bind("ko_explicit_free", None, _explicit)
+_explicit_get_smoothing = _bind("ko_explicit_get_smoothing", c_int32, _explicit, POINTER(c_double))
+_explicit_eval = _bind("ko_explicit_eval", c_int32, _explicit, _doubles, c_size_t, _doubles, _doubles)
+_meshes_separation = _bind(
+    "ko_meshes_separation",
+    c_int32,
+    _mesh,
+    _mesh,
+    _doubles,
+    c_double,
+    c_size_t,
+    c_size_t,
+    POINTER(ko_separation),
+    _doubles,
+    _doubles,
+)
+
 
 def version() -> str:
     """Version of the library, "major.minor.patch"."""
@@ -778,6 +841,12 @@ class Aggregation(_Options, ko_aggregation):
     """How values of samples become one, KS but for what is given by name: Aggregation(kind=Aggregate.NONE), say."""
 
     _init = staticmethod(_aggregation_init)
+
+
+class ExplicitOptions(_Options, ko_explicit_options):
+    """Options of Explicit.create, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_explicit_options_init)
 
 
 def _plain(aggregation: Optional[Aggregation]) -> Any:
@@ -1493,3 +1562,66 @@ class Constraints(_Handle):
         given = (_at(x), len(x), _at(multipliers), len(multipliers))
         _check(_constraints_hessian(self, *given, len(entries), _at(entries)))
         return entries
+
+
+class Explicit(_Handle):
+    """A formulation that is a formula of the points of a cloud, to compare a field with."""
+
+    _free = staticmethod(_explicit_free)
+    _pointer = _explicit
+
+    def __init__(self, handle: Any, dim: int) -> None:
+        super().__init__(handle)
+        self.dim: int = dim
+
+    @classmethod
+    def create(cls, cloud: Cloud, options: Optional[ExplicitOptions] = None) -> Explicit:
+        """Of the points of `cloud`, to which it does not refer."""
+        handle = _explicit()
+        _check(_explicit_create(cloud, ctypes.byref(options or ExplicitOptions()), ctypes.byref(handle)))
+        return cls(handle, cloud.dim)
+
+    @property
+    def smoothing(self) -> float:
+        """rho, in 1 / D; 0 where the formula has none."""
+        smoothing = c_double()
+        _check(_explicit_get_smoothing(self, ctypes.byref(smoothing)))
+        return smoothing.value
+
+    def __call__(self, points: npt.ArrayLike) -> Array:
+        """Values [n] at points [n, dim]."""
+        points = _numbers("points", points, self.dim)
+        values = np.empty(len(points))
+        _check(_explicit_eval(self, _at(points), len(points), _at(values), None))
+        return values
+
+    def eval(self, points: npt.ArrayLike) -> tuple[Array, Array]:
+        """Values [n] and gradients [n, dim] at points [n, dim]."""
+        points = _numbers("points", points, self.dim)
+        values, gradients = np.empty(len(points)), np.empty(points.shape)
+        _check(_explicit_eval(self, _at(points), len(points), _at(values), _at(gradients)))
+        return values, gradients
+
+
+def separation(
+    mesh_a: Mesh,
+    mesh_b: Mesh,
+    translation: Optional[npt.ArrayLike] = None,
+    sharpness: float = 0.0,
+    distance_gradients: Optional[Array] = None,
+    length_gradients: Optional[Array] = None,
+) -> ko_separation:
+    """How far two triangulations are apart, and how much they cross, with mesh_b moved by translation [3].
+
+    sharpness 0: the minimum distance itself, else its KS. The gradients, arrays of the caller's [mesh_b.n_vertices, 3], are by the vertices
+    of mesh_b; None: not wanted.
+    """
+    by = None if translation is None else _numbers("translation", translation, 3)
+    if by is not None and len(by) != 1:
+        raise _wrong(f"translation has the shape {by.shape}; [3] is needed")
+    n = mesh_b.n_vertices
+    outputs = (_room("distance_gradients", distance_gradients, (n, 3)), _room("length_gradients", length_gradients, (n, 3)))
+    found = ko_separation()
+    to = (ctypes.sizeof(found), ctypes.byref(found), *map(_at, outputs))
+    _check(_meshes_separation(mesh_a, mesh_b, _at(by), sharpness, n, *to))
+    return found
