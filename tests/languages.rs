@@ -333,7 +333,17 @@ fn python_has_every_constant() {
     for (name, value) in c_constants() {
         // Enumerations carry the first part of the name.
         let short = name.trim_start_matches("KO_").replace("CAPABILITY_3D", "SPACE").replace("CAPABILITY_2D", "PLANE");
-        let prefixes = ["ERR_", "CAPABILITY_", "FEASIBLE_", "POINT_", "REWEIGHT_", "AGGREGATE_", "ROTATION_", "SCALE_", "EXPLICIT_"];
+        let prefixes = [
+            "ERR_",
+            "CAPABILITY_",
+            "FEASIBLE_",
+            "POINT_",
+            "REWEIGHT_",
+            "AGGREGATE_",
+            "ROTATION_",
+            "SCALE_",
+            "EXPLICIT_",
+        ];
         let short = prefixes.iter().find_map(|prefix| short.strip_prefix(prefix)).unwrap_or(&short);
         let line = format!("{short} = {value}");
         assert!(text.lines().any(|found| found.trim() == line), "keepout.py has no `{line}` for {name}");
