@@ -423,7 +423,7 @@ static void arrays_that_are_required_are_asked_for(void) {
     double w[M] = {1, 1, 1, 1}, values[M], entries[N_JACOBIAN], hessian[N_HESSIAN];
     int32_t rows[N_HESSIAN], columns[N_HESSIAN];
     FAILS(ko_constraints_values(set, x, N, M, NULL), KO_ERR_INVALID_ARGUMENT, "values is NULL");
-    FAILS(ko_constraints_jacobian(set, x, N, N_JACOBIAN, NULL), KO_ERR_INVALID_ARGUMENT, "values is NULL");
+    FAILS(ko_constraints_jacobian(set, x, N, N_JACOBIAN, NULL), KO_ERR_INVALID_ARGUMENT, "entries is NULL");
     FAILS(ko_constraints_values_and_jacobian(set, x, N, M, NULL, N_JACOBIAN, entries), KO_ERR_INVALID_ARGUMENT,
           "values is NULL");
     FAILS(ko_constraints_values_and_jacobian(set, x, N, M, values, N_JACOBIAN, NULL), KO_ERR_INVALID_ARGUMENT,
