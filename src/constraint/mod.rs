@@ -8,14 +8,14 @@
 //! | paper 000 | here |
 //! |---|---|
 //! | section 1, representative points of a design | [`body`], points that are variables: [`set`] |
-//! | section 1, layout, shape, path | [`pose`], [`relative`], [`set`] |
+//! | section 1, layout, shape, path | [`pose`], `relative`, [`set`] |
 //! | section 3.5, aggregation | [`aggregation`] |
-//! | the constraint phi(x_i) >= 0, with derivatives | [`term`], [`hessian`], [`moments`] |
+//! | the constraint phi(x_i) >= 0, with derivatives | `term`, `hessian`, `moments` |
 //! | section 2.1, 2.2.3 with (1): the formulations of others | [`formulations`] |
 //!
 //! The paper keeps to translations and leaves the derivatives to its frameworks. Here all that poses do to a sample goes through the affine
 //! map z = M p + m: derivatives are summed over the samples by its twelve numbers, so that a body of many points costs little more than
-//! its points in the field, however many parameters its pose has: [`moments`].
+//! its points in the field, however many parameters its pose has: `moments`.
 //!
 //! A set of constraints is evaluated without allocation and without locks; any number of threads may share one.
 

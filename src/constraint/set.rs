@@ -290,7 +290,7 @@ impl<const D: usize> Constraints<D> {
         check_variables(x, "variable")
     }
 
-    /// The values at `x` [n_variables], `values` [n_rows], in the fields' unit of length times the scale of their frames.
+    /// The values at `x` `[n_variables]`, `values` `[n_rows]`, in the fields' unit of length times the scale of their frames.
     pub fn values(&self, x: &[f64], values: &mut [f64]) -> Result<()> {
         check_length("values", values.len(), self.n_rows, "values")?;
         self.for_each(x, Order::Value, |term, relative| {
@@ -298,7 +298,7 @@ impl<const D: usize> Constraints<D> {
         })
     }
 
-    /// Row and variable of the Jacobian's entries [n_jacobian], row by row; within a row those of points come first, then those of the
+    /// Row and variable of the Jacobian's entries `[n_jacobian]`, row by row; within a row those of points come first, then those of the
     /// samples' frame, then those of the field's.
     pub fn jacobian_pattern(&self, mut entry: impl FnMut(usize, usize)) {
         for term in &self.terms {
@@ -322,7 +322,7 @@ impl<const D: usize> Constraints<D> {
         })
     }
 
-    /// Values and Jacobian at `x` [n_variables] at once: `values` [n_rows], `entries` [n_jacobian] in the order of the pattern.
+    /// Values and Jacobian at `x` `[n_variables]` at once: `values` `[n_rows]`, `entries` `[n_jacobian]` in the order of the pattern.
     pub fn values_and_jacobian(&self, x: &[f64], values: &mut [f64], entries: &mut [f64]) -> Result<()> {
         check_length("values", values.len(), self.n_rows, "values")?;
         check_length("entries", entries.len(), self.n_jacobian, "entries")?;
@@ -331,13 +331,13 @@ impl<const D: usize> Constraints<D> {
         })
     }
 
-    /// The Jacobian's entries at `x` [n_variables], `entries` [n_jacobian] in the order of the pattern.
+    /// The Jacobian's entries at `x` `[n_variables]`, `entries` `[n_jacobian]` in the order of the pattern.
     pub fn jacobian(&self, x: &[f64], entries: &mut [f64]) -> Result<()> {
         check_length("entries", entries.len(), self.n_jacobian, "entries")?;
         self.entries(x, |entry| entries[entry.index] = entry.value)
     }
 
-    /// The Jacobian at `x` [n_variables] as a whole, `jacobian` [n_rows x n_variables], row-major.
+    /// The Jacobian at `x` `[n_variables]` as a whole, `jacobian` `[n_rows x n_variables]`, row-major.
     pub fn dense_jacobian(&self, x: &[f64], jacobian: &mut [f64]) -> Result<()> {
         let n = self.n_variables;
         check_length("jacobian", jacobian.len(), self.n_rows.saturating_mul(n), "entries")?;
@@ -345,7 +345,7 @@ impl<const D: usize> Constraints<D> {
         self.entries(x, |entry| jacobian[entry.row * n + entry.variable] = entry.value)
     }
 
-    /// J v, `product` [n_rows], for `v` [n_variables].
+    /// J v, `product` `[n_rows]`, for `v` `[n_variables]`.
     pub fn jacobian_times(&self, x: &[f64], v: &[f64], product: &mut [f64]) -> Result<()> {
         check_length("v", v.len(), self.n_variables, "variables")?;
         check_length("product", product.len(), self.n_rows, "values")?;
@@ -353,7 +353,7 @@ impl<const D: usize> Constraints<D> {
         self.entries(x, |entry| product[entry.row] += entry.value * v[entry.variable])
     }
 
-    /// J^T w, `product` [n_variables], for `w` [n_rows].
+    /// J^T w, `product` `[n_variables]`, for `w` `[n_rows]`.
     pub fn transposed_jacobian_times(&self, x: &[f64], w: &[f64], product: &mut [f64]) -> Result<()> {
         check_length("w", w.len(), self.n_rows, "values")?;
         check_length("product", product.len(), self.n_variables, "variables")?;
@@ -361,12 +361,12 @@ impl<const D: usize> Constraints<D> {
         self.entries(x, |entry| product[entry.variable] += entry.value * w[entry.row])
     }
 
-    /// Row and column of the entries of the Hessian's lower triangle [n_hessian], each once.
+    /// Row and column of the entries of the Hessian's lower triangle `[n_hessian]`, each once.
     pub fn hessian_pattern(&self, entry: impl FnMut(usize, usize)) {
         self.layout.for_each(entry);
     }
 
-    /// The Hessian of the sum of the values times `lambda` [n_rows] at `x` [n_variables]: `entries` [n_hessian] in the order of the pattern.
+    /// The Hessian of the sum of the values times `lambda` `[n_rows]` at `x` `[n_variables]`: `entries` `[n_hessian]` in the order of the pattern.
     pub fn hessian(&self, x: &[f64], lambda: &[f64], entries: &mut [f64]) -> Result<()> {
         check_length("lambda", lambda.len(), self.n_rows, "values")?;
         check_length("entries", entries.len(), self.layout.n_entries(), "entries")?;

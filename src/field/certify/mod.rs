@@ -36,8 +36,8 @@
 //!
 //! **Rounding.** Bezier points and evaluations are sums of at most 4^D products per axis with weights that add up to 1, and to less than
 //! 1.1 in size beyond a face: each is off by some 100 eps max |c| at most. Coordinates are rounded in units of eps X, X the largest among
-//! those of the box and of what is looked at, which moves phi by G eps X. Bounds are raised by [`ROUNDING`] and [`ASIDE`] times these, ten
-//! times as much and more, so that they hold for what evaluations give, too. Distances are lowered by [`NEARER`] of the size of M and by
+//! those of the box and of what is looked at, which moves phi by G eps X. Bounds are raised by `ROUNDING` and `ASIDE` times these, ten
+//! times as much and more, so that they hold for what evaluations give, too. Distances are lowered by `NEARER` of the size of M and by
 //! `ASIDE` X.
 
 mod bounds;
