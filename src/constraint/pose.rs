@@ -1,9 +1,9 @@
 //! Poses: x_w = s R x_b + t, with first and second derivatives by their parameters.
 //!
-//! Parameters stand in the order t, D of them, those of R, s. R of a quaternion q = (w, x, y, z) is Q(q) / |q|^2, Q its homogeneous quadratic
-//! matrix, so that q need not have length 1 and derivatives are those by its raw entries; that of a rotation vector v is
-//! I + A(s) V + B(s) V^2 with V the matrix of v x,  s = v . v, A = sin(theta) / theta, B = (1 - cos(theta)) / theta^2, theta = |v| (Rodrigues), by series
-//! where s is small; that of an angle in the plane is counter-clockwise.
+//! Parameters stand in the order t, D of them, those of R, s. R of a quaternion q = (w, x, y, z) is Q(q) / |q|^2, Q its homogeneous
+//! quadratic matrix, so that q need not have length 1 and derivatives are those by its raw entries; that of a rotation vector v is
+//! I + A(s) V + B(s) V^2 with V the matrix of the cross product with v, s = v . v, A = sin(theta) / theta, B = (1 - cos(theta)) / theta^2,
+//! theta = |v| (Rodrigues), by series where s is small; that of an angle in the plane is counter-clockwise.
 
 use super::matrix::{Matrix, diagonal, matrix, scaled, transposed};
 use crate::{Error, Result};

@@ -366,7 +366,8 @@ impl<const D: usize> Constraints<D> {
         self.layout.for_each(entry);
     }
 
-    /// The Hessian of the sum of the values times `lambda` `[n_rows]` at `x` `[n_variables]`: `entries` `[n_hessian]` in the order of the pattern.
+    /// The Hessian of the sum of the values times `lambda` `[n_rows]` at `x` `[n_variables]`: `entries` `[n_hessian]` in the order of the
+    /// pattern.
     pub fn hessian(&self, x: &[f64], lambda: &[f64], entries: &mut [f64]) -> Result<()> {
         check_length("lambda", lambda.len(), self.n_rows, "values")?;
         check_length("entries", entries.len(), self.layout.n_entries(), "entries")?;
