@@ -1732,7 +1732,7 @@ int32_t ko_constraints_jacobian_pattern(const struct ko_constraints *constraints
 /**
  * Evaluates the Jacobian at `x` [n_variables]: `entries` [n_entries] in the order of `ko_constraints_jacobian_pattern`.
  *
- * Errors and threads: those of `ko_constraints_values`. Cost: some 1.3 times `ko_field_eval` with gradients at the same points for bodies,
+ * Errors and threads: those of `ko_constraints_values`. Cost: some 1.4 times `ko_field_eval` with gradients at the same points for bodies,
  * twice that for points that are aggregated; no allocation, no lock.
  */
 int32_t ko_constraints_jacobian(const struct ko_constraints *constraints,

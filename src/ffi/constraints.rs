@@ -324,7 +324,7 @@ pub unsafe extern "C" fn ko_constraints_jacobian_pattern(
 
 /// Evaluates the Jacobian at `x` [n_variables]: `entries` [n_entries] in the order of `ko_constraints_jacobian_pattern`.
 ///
-/// Errors and threads: those of `ko_constraints_values`. Cost: some 1.3 times `ko_field_eval` with gradients at the same points for bodies,
+/// Errors and threads: those of `ko_constraints_values`. Cost: some 1.4 times `ko_field_eval` with gradients at the same points for bodies,
 /// twice that for points that are aggregated; no allocation, no lock.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_constraints_jacobian(
