@@ -84,6 +84,7 @@ under_valgrind() (
         echo "$program"
         arguments=()
         [[ $program == golden ]] && arguments=("$root/c_tests/golden")
+        [[ $program == certify ]] && arguments=(quick)
         [[ $program == bad_data ]] && arguments=("$(realpath "$data")")
         (cd "$room" && valgrind --quiet --error-exitcode=1 --leak-check=full --show-leak-kinds=definite,indirect,possible \
             --errors-for-leak-kinds=definite,indirect,possible --suppressions="$root/c_tests/valgrind.supp" \
