@@ -72,23 +72,34 @@ tests_named() {
     ctest --test-dir "$build" --output-on-failure --no-tests=error -R "^($1)\$"
 }
 
-# The programs of C and Fortran once more under valgrind: no wrong access, no leak. It replaces the allocator, so allocations.c has nothing to count.
+# The programs of C and Fortran once more under valgrind: no wrong access, no leak. It replaces the allocator, so allocations.c has nothing to
+# count. As many at once as there are cores, those that take minutes first.
 under_valgrind() (
     room=$(mktemp -d)
-    trap 'rm -rf "$room"' EXIT
-    programs=(lifecycle plane level_sets normals clouds refits refined constraints constraints_errors certify formulations errors errors_later
-        threads golden fortran)
+    trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$room"' EXIT
+    programs=(fortran errors_later refined certify threads lifecycle plane level_sets normals clouds refits constraints constraints_errors
+        formulations errors golden)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
+    running=()
     for program in "${programs[@]}"; do
+        if ((${#running[@]} >= $(nproc))); then
+            wait "${running[0]}" || exit 1
+            running=("${running[@]:1}")
+        fi
         echo "$program"
         arguments=()
         [[ $program == golden ]] && arguments=("$root/c_tests/golden")
         [[ $program == certify ]] && arguments=(quick)
         [[ $program == bad_data ]] && arguments=("$(realpath "$data")")
-        (cd "$room" && valgrind --quiet --error-exitcode=1 --leak-check=full --show-leak-kinds=definite,indirect,possible \
-            --errors-for-leak-kinds=definite,indirect,possible --suppressions="$root/c_tests/valgrind.supp" \
-            "$build/c_tests/$program" "${arguments[@]}") || exit 1
+        mkdir "$room/$program"
+        (cd "$room/$program" && exec valgrind --quiet --error-exitcode=1 --leak-check=full \
+            --show-leak-kinds=definite,indirect,possible --errors-for-leak-kinds=definite,indirect,possible \
+            --suppressions="$root/c_tests/valgrind.supp" "$build/c_tests/$program" "${arguments[@]}") &
+        running+=($!)
+    done
+    for program in "${running[@]}"; do
+        wait "$program" || exit 1
     done
 )
 
