@@ -67,8 +67,7 @@ struct Second<'a, const D: usize> {
     /// The multipliers of the rows.
     lambda: &'a [f64],
     aggregate: Option<Aggregate>,
-    /// F, its derivative by (M, m), F_k and the same of the shares.
-    value: f64,
+    /// The derivative of F by (M, m), F_k and the same of the shares.
     by_map: Affine<D>,
     by_frames: [f64; MOST],
     shares_by_frames: [f64; MOST],
@@ -99,7 +98,6 @@ impl<const D: usize> Term<D> {
             relative,
             lambda,
             aggregate,
-            value: 0.0,
             by_map: Affine::ZERO,
             by_frames: [0.0; MOST],
             shares_by_frames: [0.0; MOST],
@@ -149,12 +147,14 @@ impl<const D: usize> Second<'_, D> {
     /// Frames against frames.
     fn by_frames(&mut self, block: &mut SecondBlock<D>, entries: &mut Entries) -> Result<()> {
         let relative = self.relative;
+        // Points in a field that stands still.
+        if relative.n() == 0 {
+            return Ok(());
+        }
         let mut moments = SecondMoments::<D>::EMPTY;
-        let mut value = 0.0;
         for range in blocks(0..self.term.n_samples()) {
             let n = range.len();
             self.look_up(range, block)?;
-            value += (0..n).map(|i| block.weights[i].first * block.block.phi[i]).sum::<f64>();
             dispatch(AddSecondMoments {
                 weights: &block.weights[..n],
                 gradients: &block.block.gradients[..n],
@@ -163,7 +163,6 @@ impl<const D: usize> Second<'_, D> {
                 to: &mut moments,
             });
         }
-        self.value = self.aggregate.map_or(value, |a| a.value());
         self.by_map = Affine::of_rows(&moments.first);
         let shares = Affine::of_rows(&moments.share);
         for (k, first) in relative.first().iter().enumerate() {
