@@ -1776,7 +1776,7 @@ contains
   end subroutine
 
   ! Evaluates at points (dim, n) into values (n), gradients (dim, n) and hessians, (6, n: xx xy xz yy yz zz) in space and
-  ! (3, n: xx xy yy) in the plane. No allocation, no lock, where the arrays are contiguous.
+  ! (3, n: xx xy yy) in the plane. No lock, and no allocation but for large fields, where arrays are contiguous.
   subroutine field_eval(self, points, values, gradients, hessians, stat, errmsg)
     class(keepout_field), intent(in) :: self
     real(c_double), intent(in), contiguous :: points(:, :)

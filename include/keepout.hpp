@@ -579,7 +579,7 @@ public:
     }
 
     /// Evaluates at points [dim() * n] into values [n], gradients [dim() * n] and hessians, [6 * n: xx xy xz yy yz zz] in space and
-    /// [3 * n: xx xy yy] in the plane; empty: not wanted. No allocation, no lock; any number of threads at once.
+    /// [3 * n: xx xy yy] in the plane; empty: not wanted. No lock; it allocates for large fields only; any number of threads at once.
     void eval(Span<const double> points, Span<double> values, Span<double> gradients = {},
               Span<double> hessians = {}) const {
         const std::size_t n = check_batch(points, values, gradients, hessians);

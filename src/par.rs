@@ -119,7 +119,7 @@ impl Drop for Workers {
 }
 
 /// What 0 stands for, or `n_threads` itself.
-fn count(n_threads: u32) -> usize {
+pub fn count(n_threads: u32) -> usize {
     match n_threads {
         0 => std::thread::available_parallelism().map_or(1, usize::from),
         n => n as usize,

@@ -1,12 +1,14 @@
 //! Evaluation in batches: value, gradient and Hessian, each where wanted. Nothing here allocates or locks, but for
-//! [`Field::eval_parallel`], which does so once a call.
+//! [`Field::eval_parallel`], which does so once a call, and large batches of large fields, which are put in [`order`](super::order).
 
 use super::Field;
+use super::groups::by_groups;
+use super::order::{self, Order};
 use super::refined::Refined;
 use crate::error::try_with_capacity;
 use crate::geometry::vec::text;
 use crate::isa::{self, Isa, Kernel};
-use crate::par::{Workers, try_share};
+use crate::par::{self, Workers, try_share};
 use crate::spline::basis::{Weights, second_along};
 use crate::spline::kernel::{Hessian, Stencil};
 use crate::{Error, Result};
@@ -16,9 +18,6 @@ const BLOCK: usize = 256;
 
 /// Points that a thread takes at a time.
 const ITEM: usize = 16 * BLOCK;
-
-/// Points of which the control points are asked for while those before are evaluated, where the field is large.
-const GROUP: usize = 16;
 
 /// Points of which the places and weights are found before the first of their sums: what leads to a sum takes as long as the sum, and a
 /// processor looks ahead no farther than a point or two: 21.6 ns a point with gradients where one by one took 26.4, 33.2 with Hessians where
@@ -46,7 +45,7 @@ pub const fn packed<const D: usize>() -> usize {
 
 impl<'a, const D: usize> Outputs<'a, D> {
     /// The first `n` places, and the rest.
-    fn split(self, n: usize) -> (Self, Self) {
+    pub(super) fn split(self, n: usize) -> (Self, Self) {
         let (v, v_rest) = self.values.map(|s| s.split_at_mut(n)).unzip();
         let (g, g_rest) = self.gradients.map(|s| s.split_at_mut(n)).unzip();
         let (h, h_rest) = self.hessians.map(|s| s.split_at_mut(n * packed::<D>())).unzip();
@@ -91,18 +90,26 @@ impl<const D: usize> Field<D> {
         outputs.check(points.len())?;
         Workers::check(n_threads)?;
         let mut rest = outputs;
-        let mut items = try_with_capacity(points.len().div_ceil(ITEM), "the parts of a batch")?;
-        for (i, points) in points.chunks(ITEM).enumerate() {
+        // What is put in order is best put so in large parts, four a thread so that none waits long for another.
+        let large = if self.is_large() { points.len().div_ceil(4 * par::count(n_threads)).min(order::MOST) } else { 0 };
+        let part = ITEM.max(large);
+        let mut items = try_with_capacity(points.len().div_ceil(part), "the parts of a batch")?;
+        for (i, points) in points.chunks(part).enumerate() {
             let (outputs, behind) = rest.split(points.len());
             rest = behind;
-            items.push((i * ITEM, points, outputs));
+            items.push((i * part, points, outputs));
         }
         try_share(n_threads, items, |(first, points, outputs)| self.eval_from(first, points, outputs))
     }
 
     /// Whether evaluations wait for memory.
-    fn is_large(&self) -> bool {
-        size_of_val(self.refined.as_ref().map_or(&self.coefficients[..], |r| r.tables())) >= LARGE
+    pub(super) fn is_large(&self) -> bool {
+        size_of::<f64>() * self.n_held() >= LARGE
+    }
+
+    /// Numbers that evaluations read: control points, those of a tree's leaves as often as they are held.
+    pub(super) fn n_held(&self) -> usize {
+        self.refined.as_ref().map_or(&self.coefficients[..], |r| r.tables()).len()
     }
 
     /// Whether each of `points` lies outside the box, where the field is continued: see [`beyond`](super::beyond).
@@ -120,7 +127,8 @@ impl<const D: usize> Field<D> {
 
     /// Evaluates one part of a batch, the first point of which has index `first` in it.
     pub(crate) fn eval_from(&self, first: usize, points: &[[f64; D]], outputs: Outputs<D>) -> Result<()> {
-        isa::dispatch(Batch { field: self, first, points, outputs })
+        let order = if self.is_large() { Order::with_room(points.len(), self.n_held()) } else { None };
+        isa::dispatch(Batch { field: self, first, points, order, outputs })
     }
 }
 
@@ -129,6 +137,8 @@ struct Batch<'a, const D: usize> {
     field: &'a Field<D>,
     first: usize,
     points: &'a [[f64; D]],
+    /// Room for an order to take the points in, where they are not taken as they come.
+    order: Option<Order>,
     outputs: Outputs<'a, D>,
 }
 
@@ -153,20 +163,16 @@ impl<const D: usize> Kernel for Batch<'_, D> {
 impl<'a, const D: usize> Batch<'a, D> {
     #[inline(always)]
     fn run_on<I: Isa, C: ControlPoints<'a, D>>(self, control_points: C) -> Result<()> {
-        let Batch { field, first, points: all, outputs: mut rest } = self;
-        for (b, points) in all.chunks(BLOCK).enumerate() {
+        let Batch { field, first, points, order, outputs } = self;
+        if field.is_large() {
+            return by_groups::<I, C, D>(field, control_points, (first, points), order, outputs);
+        }
+        let mut rest = outputs;
+        for (b, points) in points.chunks(BLOCK).enumerate() {
             check_points(first + b * BLOCK, points)?;
-            let group = if field.is_large() { GROUP } else { BLOCK };
-            for (g, group_points) in points.chunks(group).enumerate() {
-                if field.is_large() {
-                    // The first of a block are asked for with the last of the block before.
-                    let behind = &all[(b * BLOCK + (g + 1) * GROUP).min(all.len())..];
-                    prefetch::<I, C, D>(field, control_points, &behind[..GROUP.min(behind.len())]);
-                }
-                let (outputs, behind) = rest.split(group_points.len());
-                rest = behind;
-                evaluate::<I, C, D>(field, control_points, group_points, outputs);
-            }
+            let (outputs, behind) = rest.split(points.len());
+            rest = behind;
+            evaluate::<I, C, D>(field, control_points, points, outputs);
         }
         Ok(())
     }
@@ -184,7 +190,7 @@ pub(super) struct Place<'a, const D: usize> {
 }
 
 /// The control points of a field, and how they are found.
-trait ControlPoints<'a, const D: usize>: Copy {
+pub(super) trait ControlPoints<'a, const D: usize>: Copy {
     /// The place of a point of the box given in cells of the grid.
     fn place<I: Isa>(self, xi: &[f64; D]) -> Place<'a, D>;
 }
@@ -215,25 +221,9 @@ impl<'a, const D: usize> ControlPoints<'a, D> for Leaves<'a, D> {
     }
 }
 
-/// Asks for the control points that `points` take.
+/// Evaluates a few points.
 #[inline(always)]
-fn prefetch<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
-    field: &Field<D>,
-    control_points: C,
-    points: &[[f64; D]],
-) {
-    for p in points {
-        let xi = field.cells.coordinates(p);
-        // Not yet checked: of a NaN this is false too.
-        if field.cells.contain(&xi) {
-            let place = control_points.place::<I>(&xi);
-            place.stencil.prefetch(place.control_points);
-        }
-    }
-}
-
-#[inline(always)]
-fn evaluate<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
+pub(super) fn evaluate<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     field: &Field<D>,
     control_points: C,
     points: &[[f64; D]],
@@ -433,8 +423,9 @@ mod tests {
             })
             .collect();
         let best = outputs(&points, |outputs| field.eval(&points, outputs));
-        let portable =
-            outputs(&points, |outputs| Batch { field: &field, first: 0, points: &points, outputs }.run::<Portable>());
+        let portable = outputs(&points, |outputs| {
+            Batch { field: &field, first: 0, points: &points, order: None, outputs }.run::<Portable>()
+        });
         for (i, (x, y)) in best.iter().zip(&portable).enumerate() {
             assert!((x - y).abs() < 1e-13, "number {i}: {x} {y}");
         }

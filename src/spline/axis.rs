@@ -116,6 +116,11 @@ impl<const D: usize> Cells<D> {
         self.per_cell
     }
 
+    /// Cells along each axis.
+    pub fn n_cells(&self) -> [usize; D] {
+        self.n.map(|n| n as usize)
+    }
+
     /// A point in cells.
     #[inline(always)]
     pub fn coordinates(&self, p: &[f64; D]) -> [f64; D] {
