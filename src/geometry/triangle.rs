@@ -57,21 +57,38 @@ pub(super) fn closest(p: Vec3, &[a, b, c]: &[Vec3; 3]) -> Closest<3> {
 
 /// The same for a triangle of little or no height: the best of its edges and of the point below p. Each candidate is a point of
 /// the triangle, so an ill-determined one does no harm.
+///
+/// The point below p is told along the longest edge, which is well determined, and across it, where a height h is known to eps: what it is
+/// off by there is at most h, and eps / h times the distance of p, hence at most sqrt(eps times that distance), beside which it makes
+/// the distance wrong by its square over twice the distance: some eps.
 #[cold]
 fn closest_on_needle(edges: [Vec3; 3]) -> Closest<3> {
     let [ab, ac, ap] = edges;
-    let n = cross(ab, ac);
     let (bc, bp) = (sub(ac, ab), sub(ap, ab));
     let along = |e: Vec3, q: Vec3| {
         let length_squared = dot(e, e);
         if length_squared > 0.0 { (dot(e, q) / length_squared).clamp(0.0, 1.0) } else { 0.0 }
     };
     let (v_ab, w_ac, w_bc) = (along(ab, ap), along(ac, ap), along(bc, bp));
+    // Along edge e from its start on, and of the corner off it; `to_corner` and `to_p` lead there from the start.
+    let inner = |e: Vec3, to_corner: Vec3, to_p: Vec3| {
+        let s = along(e, to_corner);
+        let x = dot(e, to_p) / dot(e, e);
+        // Without what goes along e, of which roundings would count as much as heights.
+        let y = along(sub(to_corner, scale(s, e)), sub(to_p, scale(x, e)));
+        let x = x.clamp(s * y, (1.0 - (1.0 - s) * y).max(s * y));
+        (x - s * y, y)
+    };
+    let [l_ab, l_ac, l_bc] = [ab, ac, bc].map(|e| dot(e, e));
     let mut candidates = [[v_ab, 0.0], [0.0, w_ac], [1.0 - w_bc, w_bc], [0.0, 0.0]];
-    let nn = dot(n, n);
-    if nn > 0.0 {
-        let v = (dot(n, cross(ap, ac)) / nn).clamp(0.0, 1.0);
-        candidates[3] = [v, (dot(n, cross(ab, ap)) / nn).clamp(0.0, 1.0 - v)];
+    if l_ab >= l_ac && l_ab >= l_bc && l_ab > 0.0 {
+        candidates[3] = inner(ab, ac, ap).into();
+    } else if l_ac >= l_bc && l_ac > 0.0 {
+        let (w, v) = inner(ac, ab, ap);
+        candidates[3] = [v, w];
+    } else if l_bc > 0.0 {
+        let (w, u) = inner(bc, scale(-1.0, ab), bp);
+        candidates[3] = [(1.0 - u - w).max(0.0), w];
     }
     let [first, rest @ ..] = candidates.map(|[v, w]| Closest::at(v, w, edges));
     rest.into_iter().fold(first, |best, c| if c.distance_squared < best.distance_squared { c } else { best })
@@ -135,6 +152,33 @@ mod tests {
             assert!(u >= -1e-15 && v >= 0.0 && w >= 0.0);
             let reference = lattice_distance(p, &corners, 60);
             assert!(distance <= reference + 1e-14 && distance > reference - 0.06, "{k}: {distance} {reference}");
+        }
+    }
+
+    /// Points of needles, and points straight above them, are as far as they are, whatever the height and the corner told first.
+    #[test]
+    fn distances_to_needles_are_off_by_roundings_alone() {
+        let mut random = SplitMix64::new(4);
+        for k in 0..40_000 {
+            let height = 10.0_f64.powf(random.between(-16.0, -1.5));
+            let [a, b, off] = std::array::from_fn(|_| random_point(&mut random, 0.5));
+            let c = add(add(a, scale(random.unit(), sub(b, a))), scale(height, off));
+            let mut corners = [a, b, c];
+            corners.rotate_left(k % 3);
+            let n = cross(sub(b, a), sub(c, a));
+            let (mut x, mut y) = (random.unit(), random.unit());
+            if x + y > 1.0 {
+                (x, y) = (1.0 - x, 1.0 - y);
+            }
+            let on = add(a, add(scale(x, sub(b, a)), scale(y, sub(c, a))));
+            let away = 10.0_f64.powf(random.between(-12.0, 0.0));
+            assert!(closest(on, &corners).distance_squared.sqrt() < 1e-15, "{height}");
+            // No nearer than along the normal, and no farther than the point below.
+            if norm(n) > 0.0 {
+                let above = add(on, scale(away / norm(n), n));
+                let found = closest(above, &corners).distance_squared.sqrt();
+                assert!(found <= away + 2e-15, "{height}, {away}: {found}");
+            }
         }
     }
 
