@@ -335,8 +335,9 @@ pub unsafe extern "C" fn ko_mesh_sample(
 /// only where it takes up half of what is seen from there: a bowl has one, a flat sheet has none, and its distances are positive behind it
 /// too. The two sides of a sheet are told by `ko_cloud_sides`, of a sample of the mesh, and by the sign of a field fitted to one.
 /// Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
-/// Threads: any number at once. Cost: O(log n_triangles) a point, and where W is within 0.02 of 1/2, as close behind a flat sheet, some
-/// tens of nanoseconds more for each edge of the mesh's rim; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
+/// Threads: any number at once. Cost: O(log n_triangles) a point, and where W is so near to 1/2 that sums over far triangles do not tell the
+/// side, as close behind a flat sheet, some tens of nanoseconds more for each edge of the mesh's rim, or for each triangle among hundreds of
+/// nested shells; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_mesh_signed_distance(
     mesh: *const ko_mesh,

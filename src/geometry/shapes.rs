@@ -186,6 +186,25 @@ pub(crate) mod scattered {
     }
 }
 
+/// Spheres of radius 0.99 to 1 in each other, `n` outward, and `n` - 1 coarser ones of radius 0.93 to 0.94 inward: inside all of them the
+/// winding number is 1, outside it is 0.
+#[cfg(test)]
+pub fn shells(n: usize) -> Mesh {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    let mut add = |radius: f64, subdivisions: u32, is_turned: bool| {
+        let mut ball = sphere([0.0; 3], radius, subdivisions).unwrap();
+        if is_turned {
+            ball.flip();
+        }
+        let first = vertices.len() as u32;
+        triangles.extend(ball.triangles().iter().map(|t| t.map(|v| first + v)));
+        vertices.extend_from_slice(ball.vertices());
+    };
+    (0..n).for_each(|k| add(0.99 + 0.01 * k as f64 / n as f64, 2, false));
+    (1..n).for_each(|k| add(0.93 + 0.01 * k as f64 / n as f64, 1, true));
+    Mesh::new(vertices, triangles).unwrap()
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::vec::dot;
