@@ -12,7 +12,8 @@
 //!
 //! With lag = max over T of |u_T - n| h - (delta_T - delta), at least 0, dist(x, mesh) >= delta + n . (x - c) - lag; so x is within `reach`
 //! of the mesh only where n . (x - c) <= reach - delta + lag. Facets farther from c than reach + h have no part in it. A box of the tree
-//! is convex too and no farther than what it holds: where its own term is at most the lag so far, so are those of all in it.
+//! is convex too and no farther than what it holds: where its own term is at most the lag so far, dist(x, box) >= delta + n . (x - c) - lag
+//! goes for all in it, though a facet's own term may be larger.
 
 use super::super::bvh::STACK_SIZE;
 use super::super::facet::{self, closest};
