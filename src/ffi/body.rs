@@ -54,9 +54,10 @@ unsafe fn from_points<const D: usize>(points: *const f64, n: usize, covering_rad
 /// `covering_radius` from one of them, in the mesh's unit of length.
 ///
 /// They are the vertices of its facets, halved along their longest edges until these are at most sqrt(3) radii long, in the plane 2: a
-/// surface of area S gets some S / radius^2 beside the mesh's own. `*body` is the caller's to free; it does not refer to the mesh.
+/// surface of area S gets some 0.7 to 1.3 S / radius^2 beside the mesh's own. `*body` is the caller's to free; it does not refer to the mesh.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a radius outside [1e-90, 1e90], or so small that it asks for more than 2^30 points or for points
-/// that doubles do not tell apart; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: some 100 ns and 100 bytes a point.
+/// that doubles do not tell apart: at once where area or length alone tell so, with the smallest radius that they let through;
+/// KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: less than a microsecond, and some 100 bytes, a point.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_body_from_mesh(mesh: *const ko_mesh, covering_radius: f64, body: *mut *mut ko_body) -> i32 {
     guard(|| {
