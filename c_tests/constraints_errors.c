@@ -108,7 +108,7 @@ static void bodies_that_are_none_are_refused(void) {
     const double radii[] = {0.0, -1.0, NAN, INFINITY, 1e91, 1e-91, 1e-60};
     const char *const words[] = {"covering_radius is 0", "covering_radius is -1", "covering_radius is NaN",
                                  "covering_radius is inf", "covering_radius is 1", "covering_radius is 0.0",
-                                 "of facet 0 tell apart; a larger one is needed"};
+                                 "pieces or more, of which 2147483648 can be served; a larger one is needed"};
     for (size_t i = 0; i < sizeof radii / sizeof *radii; i++) {
         body = STALE(ko_body);
         FAILS(ko_body_from_mesh(mesh, radii[i], &body), KO_ERR_INVALID_ARGUMENT, words[i]);
@@ -417,6 +417,19 @@ static void lengths_are_checked(void) {
     ko_constraints_free(set);
 }
 
+static void directions_that_are_not_finite_are_named(void) {
+    ko_constraints *set = make_set();
+    const double x[N] = {0.1, 0.2, 0.3, 1, 0, 0, 0, 0.3, 0.2, 0.1};
+    double v[N] = {0}, w[M] = {1, 1, 1, 1}, product[N];
+    v[7] = nan_value;
+    w[2] = -INFINITY;
+    FAILS(ko_constraints_jacobian_times(set, x, v, N, M, product), KO_ERR_INVALID_ARGUMENT,
+          "entry of v 7 is NaN; it must be finite");
+    FAILS(ko_constraints_transposed_jacobian_times(set, x, N, w, M, product), KO_ERR_INVALID_ARGUMENT,
+          "entry of w 2 is -inf; it must be finite");
+    ko_constraints_free(set);
+}
+
 static void arrays_that_are_required_are_asked_for(void) {
     ko_constraints *set = make_set();
     const double x[N] = {0.1, 0.2, 0.3, 1, 0, 0, 0, 0.3, 0.2, 0.1};
@@ -491,6 +504,7 @@ int main(void) {
     variables_out_of_range_are_named();
     samples_out_of_range_are_named();
     lengths_are_checked();
+    directions_that_are_not_finite_are_named();
     arrays_that_are_required_are_asked_for();
     poses_out_of_range_are_named();
     return check_result();

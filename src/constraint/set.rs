@@ -349,6 +349,7 @@ impl<const D: usize> Constraints<D> {
     pub fn jacobian_times(&self, x: &[f64], v: &[f64], product: &mut [f64]) -> Result<()> {
         check_length("v", v.len(), self.n_variables, "variables")?;
         check_length("product", product.len(), self.n_rows, "values")?;
+        check_variables(v, "entry of v")?;
         product.fill(0.0);
         self.entries(x, |entry| product[entry.row] += entry.value * v[entry.variable])
     }
@@ -357,6 +358,7 @@ impl<const D: usize> Constraints<D> {
     pub fn transposed_jacobian_times(&self, x: &[f64], w: &[f64], product: &mut [f64]) -> Result<()> {
         check_length("w", w.len(), self.n_rows, "values")?;
         check_length("product", product.len(), self.n_variables, "variables")?;
+        check_variables(w, "entry of w")?;
         product.fill(0.0);
         self.entries(x, |entry| product[entry.variable] += entry.value * w[entry.row])
     }
