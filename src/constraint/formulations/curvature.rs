@@ -124,6 +124,12 @@ mod tests {
         for k in tensors(&cloud, &Neighbours::new(cloud.points()).unwrap()).unwrap() {
             assert!((k[0][0].hypot(k[0][1])).hypot(k[1][1]) <= 0.5 + 1e-12, "{k:?}");
         }
+        // The turned normals are all near: the fit's own curvature is 8.8.
+        let x = [-0.2, -0.15, -0.12, -0.1, 0.0];
+        let normals = x.map(|x| if x < 0.0 { [-0.9, 1.0] } else { [0.9, 1.0] }).to_vec();
+        let cloud = Cloud::new(x.map(|x| [x, 0.0]).to_vec(), normals).unwrap();
+        let k = tensors(&cloud, &Neighbours::new(cloud.points()).unwrap()).unwrap()[4];
+        assert!((norm([norm(k[0]), norm(k[1])]) - 1.0 / 0.2).abs() < 1e-12 && k[0][0] > 0.0, "{k:?}");
         let line = (0..20).map(|i| [f64::from(i), 0.0, 0.0]).collect();
         let cloud = Cloud::new(line, vec![[0.0, 0.0, 1.0]; 20]).unwrap();
         let flat = tensors(&cloud, &Neighbours::new(cloud.points()).unwrap()).unwrap();
