@@ -240,7 +240,9 @@ const _: () = assert!(size_of::<ko_separation>() == <ko_separation as Sized_>::F
 /// Errors: KO_ERR_UNSUPPORTED for meshes of the plane; KO_ERR_INVALID_ARGUMENT for a translation that is not finite, a sharpness out of its
 /// range, a wrong n_vertices, a diagonal outside [1e-90, 1e90], coordinates beyond 1e90; KO_ERR_OUT_OF_MEMORY.
 /// Threads: any number at once. Cost: the first call on a mesh builds its tree, some microseconds a triangle; then about a microsecond for
-/// each pair of triangles about as near as the nearest, or crossing, a test of sides for each connected part, and some nanoseconds a vertex.
+/// each pair of triangles about as near as the nearest, or crossing, with KS for each pair no farther apart than the least distance and 37 D /
+/// sharpness: below some 40 these are all n_a n_b pairs, minutes for meshes of 20,000 triangles, with no way to cancel. A test of sides for
+/// each connected part, and some nanoseconds a vertex.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_meshes_separation(
     mesh_a: *const ko_mesh,
