@@ -79,12 +79,12 @@ impl Aggregation {
         self.kind != Kind::None
     }
 
-    /// How far below and above the least of `n` values, `least`, it may lie; both lengths in units of D.
+    /// How far below and above the least of `n` values, `least`, it may lie, but for rounding; both lengths in units of D, not negative.
     pub fn bounds(self, n: usize, least: f64) -> [f64; 2] {
         let by = self.reach(n);
         match (self.kind, self.side) {
-            (Kind::PNorm, Side::Below) => [least - (least.asinh() - by).sinh(), 0.0],
-            (Kind::PNorm, Side::Above) => [0.0, (least.asinh() + by).sinh() - least],
+            (Kind::PNorm, Side::Below) => [(least - (least.asinh() - by).sinh()).max(0.0), 0.0],
+            (Kind::PNorm, Side::Above) => [0.0, ((least.asinh() + by).sinh() - least).max(0.0)],
             (_, Side::Below) => [by, 0.0],
             (_, Side::Above) => [0.0, by],
         }

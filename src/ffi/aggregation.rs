@@ -14,7 +14,8 @@ pub const KO_AGGREGATE_KS: i32 = 1;
 pub const KO_AGGREGATE_INDUCED_EXPONENTIAL: i32 = 2;
 /// p-norm, p = rho, of the positive u = sqrt(1 + x^2) - x, x = phi / D, taken back by x = (1 / u - u) / 2.
 pub const KO_AGGREGATE_P_NORM: i32 = 3;
-/// The least value, with the gradient of the first sample that has it. Not smooth: no Hessian, and a gradient that jumps.
+/// The least value, to a rounding in which it may lie above it, with the gradient of the first sample that has it. Not smooth: no Hessian,
+/// and a gradient that jumps.
 pub const KO_AGGREGATE_MINIMUM: i32 = 4;
 
 /// The aggregate is at most the least value: where it is positive, all values are. The safe side.
@@ -148,8 +149,8 @@ pub unsafe extern "C" fn ko_aggregate(
     })
 }
 
-/// Tells how far an aggregate of KO_LEAST may lie from the least of `n_values` values: `*below` it and `*above` it, in units of D. Each may
-/// be NULL.
+/// Tells how far an aggregate of KO_LEAST may lie from the least of `n_values` values: `*below` it and `*above` it, in units of D, not
+/// negative. Each may be NULL. Beyond them come roundings of some 1e-15 times the values and D.
 ///
 /// `aggregation` NULL: KS. `least` is the least value in units of D; it counts for KO_AGGREGATE_P_NORM alone.
 /// Errors: KO_ERR_INVALID_ARGUMENT for no values and a `least` that is not finite or beyond 1e12 in size. Threads: any. Cost: none.

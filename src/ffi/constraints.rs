@@ -108,7 +108,7 @@ pub unsafe extern "C" fn ko_constraints_add_fixed_frame(
 /// Adds `n_points` points of the world whose coordinates [dim * n_points] are variables: of a path, or of a design that the caller moves
 /// and differentiates itself. `*points` is their number.
 ///
-/// Errors: KO_ERR_INVALID_ARGUMENT for no points, and for more than 2^31 variables in all. Threads: needs the handle alone. Cost: none.
+/// Errors: KO_ERR_INVALID_ARGUMENT for no points, and for more than 2^31 - 1 variables in all. Threads: needs the handle alone. Cost: none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_constraints_add_points(
     constraints: *mut ko_constraints,
@@ -129,8 +129,8 @@ pub unsafe extern "C" fn ko_constraints_add_points(
 /// The value is s phi, s the scale of the field's frame. Frames are numbers that `ko_constraints_add_frame` gave, or KO_WORLD. A body and a
 /// field that both move are kept apart by two calls, each body's points in the other's field. `aggregation` NULL: KS. The body and the field
 /// stay in use until the constraints are freed, and may be freed before.
-/// Errors: KO_ERR_INVALID_ARGUMENT for another dimension, a number that is no frame's, one moving frame for both, and for more than 2^31
-/// values or entries. Threads: needs `constraints` alone. Cost: none.
+/// Errors: KO_ERR_INVALID_ARGUMENT for another dimension, a number that is no frame's, one moving frame for both, and for more than
+/// 2^31 - 1 values or entries. Threads: needs `constraints` alone. Cost: none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_constraints_keep_body(
     constraints: *mut ko_constraints,
