@@ -196,8 +196,7 @@ pub(super) unsafe fn read_sized<T: Sized_>(from: *const T, defaults: T, name: &s
 /// # Safety
 /// `to` points to `size` writable bytes.
 pub(super) unsafe fn write_sized<T: Sized_>(to: *mut T, size: usize, value: T, name: &str) -> Result<()> {
-    check(to, name)?;
-    check_size::<T>(size, name)?;
+    check_sized(to, size, name)?;
     // SAFETY: `size` bytes are writable, by the caller's promise; the value is copied as far as both reach.
     unsafe {
         to.cast::<u8>().write_bytes(0, size);
@@ -207,13 +206,16 @@ pub(super) unsafe fn write_sized<T: Sized_>(to: *mut T, size: usize, value: T, n
     Ok(())
 }
 
-/// What [`write_sized`] will refuse of a struct that is NULL where it is not wanted: asked before work whose result goes there.
-pub(super) fn check_wanted_sized<T: Sized_>(to: *const T, size: usize, name: &str) -> Result<()> {
-    if to.is_null() {
-        return Ok(());
-    }
+/// What [`write_sized`] will refuse: asked before work whose result goes there. The struct may be smaller than a `T`, so that there is no
+/// reference to it.
+pub(super) fn check_sized<T: Sized_>(to: *const T, size: usize, name: &str) -> Result<()> {
     check(to, name)?;
     check_size::<T>(size, name)
+}
+
+/// [`check_sized`] of a struct that is NULL where it is not wanted.
+pub(super) fn check_wanted_sized<T: Sized_>(to: *const T, size: usize, name: &str) -> Result<()> {
+    if to.is_null() { Ok(()) } else { check_sized(to, size, name) }
 }
 
 /// No version of a struct is smaller than the first, and none will ever have a page.
