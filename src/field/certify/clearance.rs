@@ -70,7 +70,7 @@ impl<const D: usize> Problem<D> for Clearance<'_, D> {
     fn look(&self, mut node: Node<D>, floor: f64) -> Look<Node<D>, D> {
         let points = self.cells.bezier(&node.part);
         let upper = self.cells.range(&node.part, &points).high;
-        let mut look = Look { node, upper, found: f64::NEG_INFINITY, place: [0.0; D] };
+        let mut look = Look { node, upper, found: f64::NEG_INFINITY, place: [0.0; D], n_bounds: 1 };
         let bounds = self.cells.bounds(&node.part);
         let extents = bounds.extents();
         // A part without end is to be cut.

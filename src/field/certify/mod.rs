@@ -38,7 +38,8 @@
 //! 1.1 in size beyond a face: each is off by some 100 eps max |c| at most. Coordinates are rounded in units of eps X, X the largest among
 //! those of the box and of what is looked at, which moves phi by G eps X. Bounds are raised by `ROUNDING` and `ASIDE` times these, ten
 //! times as much and more, so that they hold for what evaluations give, too. Distances are lowered by `NEARER` of the size of M and by
-//! `ASIDE` X.
+//! `ASIDE` X; to needles of triangles, too, they are off by some eps (`geometry::triangle`). What the caller rounds is not in
+//! it: samples that a pose brings to the field's frame are off by some eps of their coordinates there.
 
 mod bounds;
 mod clearance;
@@ -66,7 +67,10 @@ const ROUNDING: f64 = 1024.0;
 /// Rounding of coordinates, in units of eps X.
 const ASIDE: f64 = 4096.0;
 
-/// What exact distances may be off by, in units of the size of the mesh: needles of triangles have the closest point of a wide angle.
+/// Of the shortest cell, what that may be at most: more makes boxes meet cells all around, and tells nothing.
+const COARSEST: f64 = 0.125;
+
+/// What exact distances may be off by, in units of the size of the mesh, a thousand times what they are and more.
 const NEARER: f64 = 1e-11;
 
 /// Sizes, in D, below which a tolerance is not a fraction of what was found but of this: the threshold is not to be known better.
@@ -89,7 +93,8 @@ pub struct CertifyOptions {
     pub tolerance: f64,
     /// Threads: 0 for all cores, 1 for none but the caller's.
     pub n_threads: u32,
-    /// Boxes that each search may split off; where more are needed its bound is sound but looser.
+    /// Bounds that each search may take of what it splits off, one a box, and for a piece of a facet one a cell that it meets; where more
+    /// are needed the search's bound is sound but looser.
     pub max_boxes: u64,
 }
 
@@ -160,11 +165,13 @@ impl<const D: usize> Field<D> {
                 return Err(Error::InvalidArgument(format!("{name} is {length}; it must lie in [0, {LARGEST:e}]")));
             }
         }
-        let work = Work::new(self, mesh, clearance + covering_radius, options)?;
+        progress.tell(0.0, "components")?;
+        let n_components = mesh.component_points()?.len();
+        let work = Work::new(self, mesh, clearance + covering_radius, options, progress)?;
         let steepest = work.steepest(false, |done| progress.tell(0.1 * done, "gradient"))?;
         let steepest_beyond = work.steepest(true, |done| progress.tell(0.1 + 0.1 * done, "gradient"))?;
         // Beyond the box by the formula of the continuation, not by G there, which may be infinite.
-        let rounding = work.rounding(steepest.upper);
+        let [on_shape, rounding] = [work.coordinates, work.farthest].map(|x| work.rounding(steepest.upper, x));
         let surface = work.surface(|done| progress.tell(0.2 + 0.3 * done, "surface"))?;
         let threshold = work.threshold(|done| progress.tell(0.5 + 0.5 * done, "threshold"))?;
         progress.tell(1.0, "done")?;
@@ -173,11 +180,11 @@ impl<const D: usize> Field<D> {
             threshold: (threshold.upper + rounding).next_up(),
             largest_found: threshold.found,
             place: threshold.place,
-            surface_error: surface.upper + rounding,
+            surface_error: surface.upper + on_shape,
             steepest: steepest.upper,
             steepest_beyond: steepest_beyond.upper,
             n_boxes: all.iter().map(|o| o.n_boxes).sum(),
-            n_components: mesh.component_points()?.len(),
+            n_components,
             is_side_certified: work.is_solid,
             is_budget_reached: [&steepest, &surface, &threshold].iter().any(|o| o.is_cut_short),
         })
@@ -191,6 +198,20 @@ fn value<const D: usize>(field: &Field<D>, point: [f64; D]) -> f64 {
     if field.eval(&[point], outputs).is_ok() { values[0] } else { f64::NEG_INFINITY }
 }
 
+/// Refuses lengths beyond what is served, and those beside which cells of this edge are lost in rounding.
+fn check_lengths(coordinates: f64, reach: f64, shortest_edge: f64) -> Result<()> {
+    let most = (COARSEST * shortest_edge / (f64::EPSILON * ASIDE)).min(LARGEST);
+    if coordinates + reach <= most {
+        return Ok(());
+    }
+    let (farthest, most, edge) = (number(coordinates + reach), number(most), number(shortest_edge));
+    let (coordinates, reach) = (number(coordinates), number(reach));
+    Err(Error::InvalidArgument(format!(
+        "clearance + covering_radius is {reach}, the largest coordinate of the shape and of the field's box {coordinates}: \
+         {farthest} together; beside the field's shortest cells, of edge {edge}, at most {most} is served"
+    )))
+}
+
 /// What the searches share.
 struct Work<'a, const D: usize> {
     field: &'a Field<D>,
@@ -201,23 +222,32 @@ struct Work<'a, const D: usize> {
     is_solid: bool,
     /// max |c|
     size: f64,
-    /// X
+    /// The largest coordinate of the box and of the shape.
+    coordinates: f64,
+    /// X: that and the reach.
     farthest: f64,
     options: &'a CertifyOptions,
     workers: Workers,
 }
 
 impl<'a, const D: usize> Work<'a, D> {
-    fn new(field: &'a Field<D>, mesh: &'a Mesh<D>, reach: f64, options: &'a CertifyOptions) -> Result<Self> {
+    fn new(
+        field: &'a Field<D>,
+        mesh: &'a Mesh<D>,
+        reach: f64,
+        options: &'a CertifyOptions,
+        progress: &mut Progress,
+    ) -> Result<Self> {
         let bounds = mesh.bounds();
         let grid = field.grid();
         let ends = grid.axes.iter().flat_map(|a| [a.lower, a.upper()]).chain(bounds.min).chain(bounds.max);
-        let farthest = reach + ends.fold(0.0, |m: f64, x| m.max(x.abs()));
-        if farthest > LARGEST {
-            let text = format!("the shape reaches to {}; lengths up to {LARGEST:e} are served", number(farthest));
-            return Err(Error::InvalidArgument(text));
-        }
+        let coordinates = ends.fold(0.0, |m: f64, x| m.max(x.abs()));
+        let farthest = reach + coordinates;
+        let cells = Cells::of(field);
+        check_lengths(coordinates, reach, cells.shortest_edge())?;
+        progress.tell(0.0, "tree")?;
         let tree = mesh.distance_tree()?;
+        progress.tell(0.0, "sides")?;
         let is_solid = tree.bounds_solid();
         if is_solid && field.feasible() == Feasible::Inside && field.beyond().sign != Some(-1.0) {
             return Err(Error::Degenerate(
@@ -226,18 +256,18 @@ impl<'a, const D: usize> Work<'a, D> {
                     .into(),
             ));
         }
-        let size = Cells::of(field).control_points.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+        let size = cells.size;
         let workers = Workers::new(options.n_threads)?;
-        Ok(Work { field, mesh, tree, reach, is_solid, size, farthest, options, workers })
+        Ok(Work { field, mesh, tree, reach, is_solid, size, coordinates, farthest, options, workers })
     }
 
-    /// What values are off by at most, where |grad phi| is at most `steepest` in the box.
-    fn rounding(&self, steepest: f64) -> f64 {
-        f64::EPSILON * (ROUNDING * self.size + ASIDE * (1.0 + steepest) * self.farthest)
+    /// What values are off by at most where coordinates are up to `farthest`, |grad phi| being at most `steepest` in the box.
+    fn rounding(&self, steepest: f64, farthest: f64) -> f64 {
+        f64::EPSILON * (ROUNDING * self.size + ASIDE * (1.0 + steepest) * farthest)
     }
 
     fn limits(&self, least: f64) -> Limits {
-        Limits { tolerance: self.options.tolerance, least, max_boxes: self.options.max_boxes }
+        Limits { tolerance: self.options.tolerance, least, max_bounds: self.options.max_boxes }
     }
 
     fn steepest(&self, beyond: bool, tell: impl FnMut(f64) -> Result<()>) -> Result<Outcome<D>> {
@@ -250,13 +280,13 @@ impl<'a, const D: usize> Work<'a, D> {
         let mut limits = self.limits(LEAST);
         if beyond {
             limits.tolerance = limits.tolerance.max(ROUGHLY);
-            limits.max_boxes = limits.max_boxes.min(FEW_BOXES);
+            limits.max_bounds = limits.max_bounds.min(FEW_BOXES);
         }
         search(&problem, (found, place), limits, &self.workers, tell)
     }
 
     fn surface(&self, tell: impl FnMut(f64) -> Result<()>) -> Result<Outcome<D>> {
-        let slack = f64::EPSILON * ASIDE * self.farthest;
+        let slack = f64::EPSILON * ASIDE * self.coordinates;
         let problem = Surface { cells: Cells::of(self.field), mesh: self.mesh, slack };
         search(&problem, (0.0, [0.0; D]), self.limits(LEAST * self.field.diagonal()), &self.workers, tell)
     }

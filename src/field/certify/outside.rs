@@ -11,6 +11,7 @@
 //! come from the ends of a part and from bounds of P and its derivatives. They hold for a part without end, too.
 
 use super::super::beyond::{Beyond, bend};
+use super::ROUNDING;
 use super::bounds::{Range, steps};
 use super::parts::{Cells, Part, Stand};
 use crate::spline::hull;
@@ -68,7 +69,10 @@ impl<const D: usize> Cells<'_, D> {
                 // m = 0, sigma of the sign of P and growing with it.
                 let h = self.field.grid.longest_cell();
                 let away = |p: f64, far: bool| (p / h).tanh() * if far { r[1] } else { r[0] };
-                Range { low: faded_low(low) + away(low, low < 0.0), high: faded_high(high) + away(high, high > 0.0) }
+                // r makes much of what P is rounded by.
+                let off = f64::EPSILON * ROUNDING * self.size;
+                let (l, u) = (low - off, high + off);
+                Range { low: faded_low(low) + away(l, l < 0.0), high: faded_high(high) + away(u, u > 0.0) }
             }
         }
     }

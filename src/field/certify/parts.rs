@@ -54,18 +54,24 @@ pub(super) struct Cells<'a, const D: usize> {
     pub field: &'a Field<D>,
     pub control_points: &'a [f64],
     pub strides: [usize; D],
+    /// max |c|
+    pub size: f64,
 }
 
 impl<'a, const D: usize> Cells<'a, D> {
     pub fn of(field: &'a Field<D>) -> Self {
+        let with = |control_points: &'a [f64], strides| {
+            let size = control_points.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+            Cells { field, control_points, strides, size }
+        };
         match &field.refined {
-            Some(refined) => Cells { field, control_points: refined.tables(), strides: strides::<D>() },
+            Some(refined) => with(refined.tables(), strides::<D>()),
             None => {
                 let mut by_axis = [1; D];
                 for a in (1..D).rev() {
                     by_axis[a - 1] = by_axis[a] * field.grid.axes[a].n_control();
                 }
-                Cells { field, control_points: &field.coefficients, strides: by_axis }
+                with(&field.coefficients, by_axis)
             }
         }
     }
@@ -194,6 +200,13 @@ impl<'a, const D: usize> Cells<'a, D> {
         let above =
             if is_last { beyond(Stand::Above, range.min[a] - axis.upper(), range.max[a] - axis.upper()) } else { None };
         [inside, below, above]
+    }
+
+    /// The shortest edge of all cells.
+    pub fn shortest_edge(&self) -> f64 {
+        let axes = self.field.grid.axes.iter().map(|a| a.cell).fold(f64::INFINITY, f64::min);
+        let level = self.tree().map_or(0, |tree| tree.tiles().iter().map(|t| t.level).max().unwrap_or(0));
+        axes * 0.5f64.powi(level as i32)
     }
 
     /// Edge of a cell along axis `a`.

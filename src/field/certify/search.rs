@@ -14,6 +14,10 @@ use std::collections::BinaryHeap;
 const ROUND: usize = 256;
 const ITEM: usize = 8;
 
+/// Bounds that a box of a round or of the first look takes on average, at most; where boxes take more there are fewer of them, so that
+/// the time between two reports of progress has its bound.
+const USUAL_BOUNDS: u64 = 16;
+
 /// Items of the first look, and groups of boxes of one.
 const FIRST_ITEMS: usize = 64;
 const GROUPS: usize = 4;
@@ -26,6 +30,8 @@ pub(super) struct Look<N, const D: usize> {
     /// A value that it takes, in the box or elsewhere, and where.
     pub found: f64,
     pub place: [f64; D],
+    /// Bounds that the look took, 1 at least: what it cost.
+    pub n_bounds: u64,
 }
 
 /// A function of which the largest value is looked for, on boxes of its own kind.
@@ -52,8 +58,8 @@ pub(super) struct Limits {
     pub tolerance: f64,
     /// A size below which it is a fraction of this.
     pub least: f64,
-    /// Boxes to look at, those of the first look not counted.
-    pub max_boxes: u64,
+    /// Bounds to take, one a box or more; those of the first look are not counted.
+    pub max_bounds: u64,
 }
 
 impl Limits {
@@ -112,12 +118,14 @@ struct Search<N, const D: usize> {
     found: f64,
     place: [f64; D],
     n_boxes: u64,
+    n_bounds: u64,
 }
 
 impl<N: Copy, const D: usize> Search<N, D> {
     fn take(&mut self, looks: Vec<Look<N, D>>, floor: f64) -> Result<()> {
         for look in looks {
             self.n_boxes += 1;
+            self.n_bounds += look.n_bounds;
             if look.found > self.found {
                 (self.found, self.place) = (look.found, look.place);
             }
@@ -133,6 +141,12 @@ impl<N: Copy, const D: usize> Search<N, D> {
         }
         Ok(())
     }
+
+    /// `usual` of what boxes are looked at in one go, or fewer where their bounds are many.
+    fn at_once(&self, usual: usize) -> usize {
+        let by_box = (self.n_bounds / self.n_boxes.max(1)).div_ceil(USUAL_BOUNDS).max(1);
+        (usual as u64 / by_box).max(1) as usize
+    }
 }
 
 /// The largest value of `problem`, of which `start` is one, with its place. `tell` is told the fraction done.
@@ -144,11 +158,12 @@ pub(super) fn search<P: Problem<D>, const D: usize>(
     mut tell: impl FnMut(f64) -> Result<()>,
 ) -> Result<Outcome<D>> {
     let heap = BinaryHeap::new();
-    let mut search = Search { heap, dropped: f64::NEG_INFINITY, found, place, n_boxes: 0 };
+    let mut search = Search { heap, dropped: f64::NEG_INFINITY, found, place, n_boxes: 0, n_bounds: 0 };
     let n_groups = problem.n_groups();
-    for first in (0..n_groups).step_by(FIRST_ITEMS * GROUPS) {
+    let mut first = 0;
+    while first < n_groups {
         tell(0.5 * first as f64 / n_groups as f64)?;
-        let n_items = (n_groups - first).div_ceil(GROUPS).min(FIRST_ITEMS);
+        let n_items = (n_groups - first).div_ceil(GROUPS).min(search.at_once(FIRST_ITEMS));
         let floor = limits.floor(search.found);
         for looks in workers.map(n_items, |item| {
             let mut looks = Vec::new();
@@ -160,8 +175,9 @@ pub(super) fn search<P: Problem<D>, const D: usize>(
         }) {
             search.take(looks, floor)?;
         }
+        first += n_items * GROUPS;
     }
-    let first_boxes = search.n_boxes;
+    let first_bounds = search.n_bounds;
     let mut nodes = try_with_capacity(ROUND, "the boxes of a round")?;
     let mut is_cut_short = false;
     // How far the largest bound was off at first: the logarithm of what is left of it falls about evenly.
@@ -171,7 +187,7 @@ pub(super) fn search<P: Problem<D>, const D: usize>(
         if top.upper <= floor {
             break;
         }
-        is_cut_short = search.n_boxes - first_boxes >= limits.max_boxes;
+        is_cut_short = search.n_bounds - first_bounds >= limits.max_bounds;
         if is_cut_short {
             break;
         }
@@ -180,8 +196,9 @@ pub(super) fn search<P: Problem<D>, const D: usize>(
         let done = (widest / off).ln() / (widest / wanted).ln();
         tell(0.5 + 0.5 * if done.is_finite() { done.clamp(0.0, 1.0) } else { 0.0 })?;
         nodes.clear();
+        let round = search.at_once(ROUND);
         while let Some(top) = search.heap.peek()
-            && nodes.len() < ROUND
+            && nodes.len() < round
             && top.upper > floor
         {
             nodes.extend(search.heap.pop().map(|entry| entry.node));

@@ -42,12 +42,12 @@ impl<const D: usize> Problem<D> for Steepness<'_, D> {
         let bounds = self.cells.bounds(&part);
         let center = bounds.center();
         if center.iter().any(|x| !x.is_finite()) {
-            return Look { node: part, upper, found: 0.0, place: [0.0; D] };
+            return Look { node: part, upper, found: 0.0, place: [0.0; D], n_bounds: 1 };
         }
         let mut gradient = [[0.0; D]];
         let outputs = Outputs { gradients: Some(&mut gradient), ..Outputs::default() };
         let served = self.cells.field.eval(&[center], outputs).is_ok();
         let found = if served { norm(gradient[0]) } else { 0.0 };
-        Look { node: part, upper, found, place: center }
+        Look { node: part, upper, found, place: center, n_bounds: 1 }
     }
 }

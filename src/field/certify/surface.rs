@@ -20,7 +20,7 @@ const LONGEST: f64 = 2.0;
 const GROUP: usize = 32;
 
 /// The sine of the angle at a corner below which a facet's normal is not trusted.
-const SHARPEST: f64 = 1e-3;
+const SHARPEST: f64 = 1e-2;
 
 /// A piece of a facet.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +33,7 @@ pub(super) struct Piece<const D: usize> {
 pub(super) struct Surface<'a, const D: usize> {
     pub cells: Cells<'a, D>,
     pub mesh: &'a Mesh<D>,
-    /// What coordinates may be off by.
+    /// What coordinates of the mesh and of the box may be off by.
     pub slack: f64,
 }
 
@@ -75,19 +75,20 @@ impl<const D: usize> Problem<D> for Surface<'_, D> {
         let bounds = Bounds::of(&piece.corners);
         let (extents, axes) = (bounds.extents(), &self.cells.field.grid().axes);
         let is_long = (0..D).any(|a| extents[a] > LONGEST * axes[a].cell);
-        let upper = if is_long { f64::INFINITY } else { self.bound(&piece, bounds) };
-        Look { node: piece, upper, found, place }
+        let (upper, n_bounds) = if is_long { (f64::INFINITY, 1) } else { self.bound(&piece, bounds) };
+        Look { node: piece, upper, found, place, n_bounds }
     }
 }
 
 impl<const D: usize> Surface<'_, D> {
-    /// A bound of |phi| on a piece.
-    fn bound(&self, piece: &Piece<D>, bounds: Bounds<D>) -> f64 {
+    /// A bound of |phi| on a piece, and how many it took: one a part of a cell.
+    fn bound(&self, piece: &Piece<D>, bounds: Bounds<D>) -> (f64, u64) {
         let range = Bounds { min: bounds.min.map(|x| x - self.slack), max: bounds.max.map(|x| x + self.slack) };
         let (corner, unit) = self.plane(piece.facet as usize);
-        let mut largest: f64 = 0.0;
+        let (mut largest, mut n_bounds): (f64, u64) = (0.0, 0);
         self.cells.near(&range, |cell| {
             self.cells.parts(cell, &range, |part| {
+                n_bounds += 1;
                 let points = self.cells.bezier(&part);
                 let plain = self.cells.range(&part, &points);
                 let mut bound = plain.high.max(-plain.low);
@@ -104,7 +105,7 @@ impl<const D: usize> Surface<'_, D> {
                 largest = largest.max(bound);
             });
         });
-        largest
+        (largest, n_bounds.max(1))
     }
 
     /// A corner of a facet and its unit normal, where that is well determined.

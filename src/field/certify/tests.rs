@@ -3,7 +3,7 @@
 use super::*;
 use crate::field::FitOptions;
 use crate::geometry::random::SplitMix64;
-use crate::geometry::shapes::{box_mesh, circle, rectangle, sphere, torus};
+use crate::geometry::shapes::{box_mesh, circle, rectangle, shells, sphere, torus};
 use crate::geometry::vec::{norm, sub};
 use std::ops::ControlFlow;
 
@@ -242,6 +242,63 @@ fn bodies_at_the_threshold_are_clear() {
         }
     }
     assert!(proven > 100, "{proven}");
+}
+
+/// Far fields of all shells add up; the sides are known by construction.
+#[test]
+fn of_shells_in_shells_what_is_inside_all_is_infeasible() {
+    let (mesh, ball) = (shells(100), sphere([0.0; 3], 1.6, 2).unwrap());
+    let grid = *fit(&ball, &FitOptions { control_points: [24; 3], ..FitOptions::default() }).grid();
+    let mut random = SplitMix64::new(3);
+    for _ in 0..20 {
+        // phi is 1 on the faces and about one place inside, and -1 elsewhere.
+        let n = grid.axes.map(|a| a.n_control());
+        let top: [usize; 3] = std::array::from_fn(|a| n[a] / 2 - 2 + (4.0 * random.unit()) as usize);
+        let control_point = |i: usize| {
+            let at = [i / (n[1] * n[2]), i / n[2] % n[1], i % n[2]];
+            let is_face = (0..3).any(|a| at[a] < 3 || at[a] + 3 >= n[a]);
+            let is_top = (0..3).all(|a| at[a].abs_diff(top[a]) <= 1);
+            if is_face || is_top { 1.0 } else { -1.0 }
+        };
+        let c = (0..grid.n_control()).map(control_point).collect();
+        let field = Field::from_control_points(grid, c, Feasible::Outside, 3.0).unwrap();
+        let options = CertifyOptions { tolerance: 1e-3, ..CertifyOptions::default() };
+        let certificate = field.certify(&mesh, 0.01, 0.01, &options, &mut Progress::silent()).unwrap();
+        let peak = (0..2000).map(|_| std::array::from_fn(|_| random.between(-0.5, 0.5)));
+        let peak = peak.map(|p| value(&field, p)).fold(f64::NEG_INFINITY, f64::max);
+        assert!(certificate.is_side_certified && peak > 0.0 && certificate.threshold > peak, "{peak} {certificate:?}");
+    }
+}
+
+#[test]
+fn lengths_in_which_cells_are_lost_are_refused_and_large_ones_end_by_the_budget() {
+    let mesh = box_mesh([-1.0; 3], [1.0; 3]).unwrap();
+    let field = fit(&mesh, &FitOptions { control_points: [8; 3], ..FitOptions::default() });
+    let options = CertifyOptions { max_boxes: 5000, ..CertifyOptions::default() };
+    let with = |d: f64| field.certify(&mesh, d, 0.0, &options, &mut Progress::silent());
+    let text = with(1e12).unwrap_err().to_string();
+    assert!(text.contains("clearance + covering_radius is 1000000000000") && text.contains("of edge 0."), "{text}");
+    for reach in [1e3, 1e6, 1e9, 5e10] {
+        let certificate = with(reach).unwrap();
+        assert!(certificate.n_boxes < 60_000 && certificate.surface_error < 1.0, "{certificate:?}");
+        assert!(certificate.threshold > value(&field, [0.9 * reach, 0.0, 0.0]), "{certificate:?}");
+    }
+}
+
+/// Something is told before each of what takes its time.
+#[test]
+fn progress_begins_before_the_tree() {
+    let mesh = box_mesh([-1.0; 3], [1.0; 3]).unwrap();
+    let field = fit(&mesh, &FitOptions { control_points: [8; 3], ..FitOptions::default() });
+    let mut stages: Vec<String> = Vec::new();
+    let mut listener = |_: f64, stage: &str| {
+        if stages.last().is_none_or(|last| last != stage) {
+            stages.push(stage.into());
+        }
+        ControlFlow::Continue(())
+    };
+    field.certify(&mesh, 0.1, 0.0, &CertifyOptions::default(), &mut Progress::new(&mut listener)).unwrap();
+    assert_eq!(stages, ["components", "tree", "sides", "gradient", "surface", "threshold", "done"]);
 }
 
 #[test]
