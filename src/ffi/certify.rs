@@ -3,7 +3,7 @@
 use super::field::ko_field;
 use super::guard::{guard, guard_with_remark};
 use super::mesh::{check_count, copied, ko_mesh};
-use super::pointer::{Sized_, array_mut, check_wanted_sized, object, place, read_sized, write_sized};
+use super::pointer::{Sized_, array_mut, check_sized, object, place, read_sized, write_sized};
 use super::progress::{ko_progress, listener};
 use super::status::{KO_BUDGET_REACHED, KO_OK, KO_SIDE_NOT_CERTIFIED};
 use crate::dimension::{OfDimension, in_its_dimension};
@@ -22,8 +22,9 @@ pub struct ko_certify_options {
     /// How far bounds may be above the largest value that is found, as a fraction of it, or of 1e-3 D where it is less; in [1e-4, 1e4].
     /// Default 0.05.
     pub tolerance: f64,
-    /// Boxes that each of four searches may split off, at least 1; where more are needed its bound is sound but looser, and the call ends
-    /// with KO_BUDGET_REACHED. It bounds time, a few microseconds a box, and memory, some 150 bytes a box. Default 4000000.
+    /// Bounds that each of four searches may take of boxes that it splits off, at least 1: one a box, and one for each cell that a piece of
+    /// the shape meets. Where more are needed the search's result is sound but looser, and the call ends with KO_BUDGET_REACHED. Beside the
+    /// first look at every cell and triangle it bounds time, a few microseconds a bound, and memory, some 150 bytes a bound. Default 4000000.
     pub max_boxes: u64,
     /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
     pub n_threads: u32,
@@ -57,7 +58,7 @@ pub struct ko_certificate {
     pub largest_found: f64,
     /// Where that was; z is 0 in the plane. A finer field there, or a field that fits better, lowers the threshold.
     pub place: [f64; 3],
-    /// eps: at least |phi| at every point of the shape.
+    /// eps: at least |phi| at every point of the shape. Infinite where a budget ended before triangles longer than two cells were cut up.
     pub surface_error: f64,
     /// G: at least the length of grad phi at every point of the box.
     pub steepest: f64,
@@ -166,14 +167,17 @@ impl ko_certificate {
 /// on the feasible side, since the side changes only on the shape, and farther than d. Each component of the shape is then in the body or
 /// off it as a whole. To exclude that the body swallowed one, test the points of `ko_mesh_copy_component_points` against the body: once
 /// each of them is outside it, all of the body is on the feasible side and farther than d from the shape. An aggregate that is at most
-/// the least phi, KS(min) say, serves for phi at the samples.
+/// the least phi, KS(min) say, serves for phi at the samples. Values of `ko_constraints` are s phi, s the scale of the field's frame: the
+/// test is value >= s t then; and d and r count in the field's frame, where lengths of the world are 1 / s times as long. What a pose rounds
+/// is the caller's to add to r: some 1e-15 of the coordinates.
 ///
 /// t comes from a search by boxes, split where phi is large, with phi between its Bezier points on each and exact distances to the mesh;
 /// what rounding can do is added. The mesh bounds a solid where every edge is run through as often one way as the other and the volume is
 /// positive. Elsewhere sides are not certified: t covers what is within d + r of the shape, on both sides.
 /// Returns KO_SIDE_NOT_CERTIFIED, a success, for a mesh that bounds no solid; KO_BUDGET_REACHED, a success, where `max_boxes` made a bound
 /// looser than `tolerance`. The certificate tells of both. The same input gives the same bits.
-/// Errors: KO_ERR_INVALID_ARGUMENT for a length or an option out of its range and for a mesh of another dimension; KO_ERR_DEGENERATE where
+/// Errors: KO_ERR_INVALID_ARGUMENT for a length or an option out of its range, for a mesh of another dimension, and where the coordinates and
+/// d + r together are above 1e11 times the shortest cell, so that rounding would lose the cells; KO_ERR_DEGENERATE where
 /// phi grows without end on the infeasible side, as of a field that does not have this mesh inside its box, or with the other side
 /// feasible; KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY; KO_ERR_CANCELLED.
 /// Threads: any number at once; `progress` is called on the caller's. Cost: every cell is bounded, a microsecond or two, and every triangle;
@@ -198,9 +202,7 @@ pub unsafe extern "C" fn ko_field_certify(
         let mut tell = unsafe { listener(options.progress, options.progress_data) };
         let (options, mut progress) = (options.to_certify_options()?, Progress::new(&mut tell));
         // Before the work, not after it.
-        // SAFETY: the header asks for a place to write.
-        unsafe { place(certificate, "certificate") }?;
-        check_wanted_sized(certificate, certificate_size, "certificate")?;
+        check_sized(certificate, certificate_size, "certificate")?;
         let found = match (field, mesh) {
             (OfDimension::Plane(field), OfDimension::Plane(mesh)) => {
                 ko_certificate::of(&field.certify(mesh, clearance, covering_radius, &options, &mut progress)?)
