@@ -1,7 +1,7 @@
 //! `ko_aggregation`, and aggregates of any values.
 
 use super::guard::guard;
-use super::pointer::{Sized_, array, check_wanted_place, place, read_sized, wanted, write_sized};
+use super::pointer::{Sized_, array, check_wanted_place, place, read_sized_or, wanted, write_sized};
 use crate::constraint::{Aggregation, Derivatives, Extreme, Kind, Side, aggregate};
 use crate::{Error, Result};
 
@@ -77,11 +77,8 @@ impl ko_aggregation {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     pub(super) unsafe fn read(pointer: *const Self) -> Result<Aggregation> {
-        if pointer.is_null() {
-            return Ok(Aggregation::default());
-        }
         // SAFETY: the caller's promise.
-        let Self { kind, sharpness, side, .. } = unsafe { read_sized(pointer, Self::defaults(), "aggregation") }?;
+        let Self { kind, sharpness, side, .. } = unsafe { read_sized_or(pointer, Self::defaults(), "aggregation") }?;
         let wrong = |text: String| Err(Error::InvalidArgument(text));
         let kind = match kind {
             KO_AGGREGATE_NONE => Kind::None,

@@ -1,12 +1,12 @@
-//! Certificates of `ko_field`, and the components of `ko_mesh` that their proof asks for.
+//! Certificates of `ko_field`.
 
 use super::field::ko_field;
 use super::guard::{guard, guard_with_remark};
-use super::mesh::{check_count, copied, ko_mesh};
-use super::pointer::{Sized_, array_mut, check_sized, object, place, read_sized, write_sized};
+use super::mesh::ko_mesh;
+use super::pointer::{Sized_, check_sized, object, read_sized_or, write_sized};
 use super::progress::{ko_progress, listener};
 use super::status::{KO_BUDGET_REACHED, KO_OK, KO_SIDE_NOT_CERTIFIED};
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::dimension::OfDimension;
 use crate::field::{Certificate, CertifyOptions};
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -112,11 +112,8 @@ impl ko_certify_options {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     unsafe fn read(pointer: *const Self) -> Result<Self> {
-        if pointer.is_null() {
-            return Ok(Self::defaults());
-        }
         // SAFETY: the caller's promise.
-        unsafe { read_sized(pointer, Self::defaults(), "options") }
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
     }
 
     /// The same for the certificate.
@@ -219,40 +216,5 @@ pub unsafe extern "C" fn ko_field_certify(
         // SAFETY: the header asks for a struct of this size.
         unsafe { write_sized(certificate, certificate_size, found, "certificate") }?;
         Ok(found.status())
-    })
-}
-
-/// Tells how many components the mesh has: parts that hang together by vertices that triangles share, in the plane segments.
-///
-/// There may be fewer than `n_components` of `ko_mesh_get_report`, which a vertex alone does not connect. Errors: KO_ERR_INVALID_ARGUMENT
-/// for NULL, KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ko_mesh_get_component_count(mesh: *const ko_mesh, n_components: *mut usize) -> i32 {
-    guard(|| {
-        // SAFETY: the header asks for a mesh and a place to write.
-        let (ko_mesh(mesh), n) = unsafe { (object(mesh, "mesh")?, place(n_components, "n_components")?) };
-        *n = in_its_dimension!(mesh, mesh => mesh.component_points()?.len());
-        Ok(())
-    })
-}
-
-/// Copies a vertex of each component of the mesh to `points` [dim * n_components]: what a body that swallows the component holds.
-///
-/// `n_components` must be that of `ko_mesh_get_component_count`, or of a certificate. Errors: KO_ERR_INVALID_ARGUMENT, also for another
-/// count; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ko_mesh_copy_component_points(
-    mesh: *const ko_mesh,
-    n_components: usize,
-    points: *mut f64,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the header asks for a mesh.
-        let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
-        let found = in_its_dimension!(mesh, mesh => copied(mesh.component_points()?.as_flattened(), "the points")?);
-        check_count("n_components", n_components, found.len() / mesh.dim() as usize)?;
-        // SAFETY: the header asks for an array of this length.
-        unsafe { array_mut(points, found.len(), "points") }?.copy_from_slice(&found);
-        Ok(())
     })
 }

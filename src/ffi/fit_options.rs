@@ -1,7 +1,7 @@
 //! `ko_fit_options`.
 
 use super::guard::guard;
-use super::pointer::{Sized_, read_sized, write_sized};
+use super::pointer::{Sized_, read_sized_or, write_sized};
 use super::progress::ko_progress;
 use crate::field::{Feasible, FitOptions, Reweighting};
 use crate::{Error, Result};
@@ -124,11 +124,8 @@ impl ko_fit_options {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     pub(super) unsafe fn read(pointer: *const ko_fit_options) -> Result<Self> {
-        if pointer.is_null() {
-            return Ok(Self::defaults());
-        }
         // SAFETY: the caller's promise.
-        unsafe { read_sized(pointer, Self::defaults(), "options") }
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
     }
 
     /// The same for the fit.

@@ -4,7 +4,9 @@ use super::cloud::ko_cloud;
 use super::fit_options::{KO_FEASIBLE_OUTSIDE, feasible};
 use super::guard::{guard, guard_free};
 use super::mesh::{check_count, ko_mesh};
-use super::pointer::{Sized_, array, check_wanted_sized, create, free, object, place, read_sized, wanted, write_sized};
+use super::pointer::{
+    Sized_, array, check_wanted_sized, create, free, object, place, read_sized_or, wanted, write_sized,
+};
 use crate::constraint::formulations::brelje::{ByVertices, PairDistance, separation};
 use crate::constraint::formulations::{Explicit, ExplicitOptions, Formulation};
 use crate::dimension::{OfDimension, in_its_dimension};
@@ -78,11 +80,8 @@ impl ko_explicit_options {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     unsafe fn read(pointer: *const Self) -> Result<ExplicitOptions> {
-        let given = match pointer.is_null() {
-            true => Self::defaults(),
-            // SAFETY: the caller's promise.
-            false => unsafe { read_sized(pointer, Self::defaults(), "options") }?,
-        };
+        // SAFETY: the caller's promise.
+        let given = unsafe { read_sized_or(pointer, Self::defaults(), "options") }?;
         let formulation = match given.formulation {
             KO_EXPLICIT_HICKEN_KAUR_LINEAR => Formulation::HickenKaurLinear,
             KO_EXPLICIT_HICKEN_KAUR_QUADRATIC => Formulation::HickenKaurQuadratic,

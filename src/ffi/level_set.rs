@@ -3,7 +3,7 @@
 use super::field::ko_field;
 use super::guard::{guard, guard_with_remark};
 use super::mesh::ko_mesh;
-use super::pointer::{Sized_, create, object, read_sized, write_sized};
+use super::pointer::{Sized_, create, object, read_sized_or, write_sized};
 use super::progress::{ko_progress, listener};
 use super::status::{KO_OK, KO_OPEN_AT_BOX};
 use crate::dimension::OfDimension;
@@ -80,11 +80,8 @@ impl ko_level_set_options {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     unsafe fn read(pointer: *const Self) -> Result<Self> {
-        if pointer.is_null() {
-            return Ok(Self::defaults());
-        }
         // SAFETY: the caller's promise.
-        unsafe { read_sized(pointer, Self::defaults(), "options") }
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
     }
 
     /// The same for the level set.

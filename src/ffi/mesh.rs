@@ -358,6 +358,41 @@ pub unsafe extern "C" fn ko_mesh_signed_distance(
     })
 }
 
+/// Tells how many components the mesh has: parts that hang together by vertices that triangles share, in the plane segments.
+///
+/// There may be fewer than `n_components` of `ko_mesh_get_report`, which a vertex alone does not connect. Errors: KO_ERR_INVALID_ARGUMENT
+/// for NULL, KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_get_component_count(mesh: *const ko_mesh, n_components: *mut usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh and a place to write.
+        let (ko_mesh(mesh), n) = unsafe { (object(mesh, "mesh")?, place(n_components, "n_components")?) };
+        *n = in_its_dimension!(mesh, mesh => mesh.component_points()?.len());
+        Ok(())
+    })
+}
+
+/// Copies a vertex of each component of the mesh to `points` [dim * n_components]: what a body that swallows the component holds.
+///
+/// `n_components` must be that of `ko_mesh_get_component_count`, or of a certificate. Errors: KO_ERR_INVALID_ARGUMENT, also for another
+/// count; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_mesh_copy_component_points(
+    mesh: *const ko_mesh,
+    n_components: usize,
+    points: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a mesh.
+        let ko_mesh(mesh) = unsafe { object(mesh, "mesh") }?;
+        let found = in_its_dimension!(mesh, mesh => copied(mesh.component_points()?.as_flattened(), "the points")?);
+        check_count("n_components", n_components, found.len() / mesh.dim() as usize)?;
+        // SAFETY: the header asks for an array of this length.
+        unsafe { array_mut(points, found.len(), "points") }?.copy_from_slice(&found);
+        Ok(())
+    })
+}
+
 /// A copy of an array that may be too large for memory.
 pub(super) fn copied<T: Copy>(from: &[T], what: &str) -> Result<Vec<T>> {
     let mut to = try_with_capacity(from.len(), what)?;

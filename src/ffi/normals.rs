@@ -3,7 +3,7 @@
 use super::cloud::ko_cloud;
 use super::guard::guard;
 use super::mesh::copied;
-use super::pointer::{Sized_, array, check_wanted_sized, create, read_sized, wanted, write_sized};
+use super::pointer::{Sized_, array, check_wanted_sized, create, read_sized_or, wanted, write_sized};
 use super::progress::{ko_progress, listener};
 use crate::dimension::OfDimension;
 use crate::geometry::Cloud;
@@ -111,11 +111,8 @@ impl ko_normal_options {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     unsafe fn read(pointer: *const Self) -> Result<Self> {
-        if pointer.is_null() {
-            return Ok(Self::defaults());
-        }
         // SAFETY: the caller's promise.
-        unsafe { read_sized(pointer, Self::defaults(), "options") }
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
     }
 
     /// The same for the estimate.

@@ -191,6 +191,18 @@ pub(super) unsafe fn read_sized<T: Sized_>(from: *const T, defaults: T, name: &s
     Ok(value)
 }
 
+/// [`read_sized`], with `defaults` for NULL.
+///
+/// # Safety
+/// `from` is NULL or points to a struct of as many readable bytes as its first field says.
+pub(super) unsafe fn read_sized_or<T: Sized_>(from: *const T, defaults: T, name: &str) -> Result<T> {
+    if from.is_null() {
+        return Ok(defaults);
+    }
+    // SAFETY: the caller's promise.
+    unsafe { read_sized(from, defaults, name) }
+}
+
 /// Writes `value` to `to`, as much of it as the caller knows; what the caller knows beyond it becomes 0.
 ///
 /// # Safety

@@ -2,7 +2,7 @@
 
 use super::cloud::ko_cloud;
 use super::guard::guard;
-use super::pointer::{Sized_, create, object, read_sized, write_sized};
+use super::pointer::{Sized_, create, object, read_sized_or, write_sized};
 use super::progress::{ko_progress, listener};
 use crate::dimension::OfDimension;
 use crate::geometry::smooth::SmoothOptions;
@@ -70,11 +70,8 @@ impl ko_smooth_options {
     /// # Safety
     /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
     unsafe fn read(pointer: *const Self) -> Result<Self> {
-        if pointer.is_null() {
-            return Ok(Self::defaults());
-        }
         // SAFETY: the caller's promise.
-        let options = unsafe { read_sized(pointer, Self::defaults(), "options") }?;
+        let options = unsafe { read_sized_or(pointer, Self::defaults(), "options") }?;
         match options.reserved {
             0 => Ok(options),
             r => Err(Error::InvalidArgument(format!("reserved is {r}; it must be 0"))),

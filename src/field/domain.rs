@@ -1,15 +1,13 @@
 //! The box of a field and its cells: steps 2 and 3 of paper 000's Algorithm 1.
 
 use crate::geometry::Bounds;
+use crate::geometry::bounds::DIAGONALS;
 use crate::geometry::vec::text;
 use crate::spline::{Axis, Grid};
 use crate::{Error, Result};
 
 /// An axis thinner than this fraction of D is widened to it before the margin is added, so that a flat cloud has a box.
 const THINNEST: f64 = 0.05;
-
-/// Diagonals that leave room for squares and cubes of lengths in a double.
-const DIAGONALS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
 
 /// D of a cloud, checked to be a usable unit of length.
 pub fn diagonal<const D: usize>(bounds: &Bounds<D>) -> Result<f64> {

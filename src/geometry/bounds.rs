@@ -2,6 +2,9 @@
 
 use super::vec::{norm, sub};
 
+/// Diagonals that leave room for squares, cubes and quotients of lengths in a double.
+pub(crate) const DIAGONALS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
+
 /// The smallest axis-aligned box around some points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds<const D: usize = 3> {

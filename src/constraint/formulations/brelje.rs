@@ -11,9 +11,9 @@
 //! the way out, and inside each other not even that. The length is continuous, but for triangles that come to lie in one plane, with kinks
 //! where its ends go from edge to edge, and its gradient is not bounded where two triangles begin to cross. There are no Hessians.
 
-use super::DIAGONALS;
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Mesh;
+use crate::geometry::bounds::DIAGONALS;
 use crate::geometry::edges::Sets;
 use crate::geometry::pairs::{Pair, Pairs};
 use crate::geometry::triangle_pair::{Crossing, crossing, nearest};

@@ -26,6 +26,7 @@ mod terms;
 pub use options::{ExplicitOptions, Formulation};
 
 use crate::geometry::Cloud;
+use crate::geometry::bounds::DIAGONALS;
 use crate::geometry::neighbours::{Neighbour, Neighbours};
 use crate::geometry::vec::{scale, text};
 use crate::isa::dispatch;
@@ -36,9 +37,6 @@ use terms::{Mean, Picked, Terms, Wants, Weigh};
 
 /// The most nearest points that are served: they are kept on the stack.
 pub const MOST_NEAREST: usize = 64;
-
-/// Diagonals that keep squares and their quotients in the range of doubles.
-const DIAGONALS: std::ops::RangeInclusive<f64> = 1e-90..=1e90;
 
 /// Queries are taken up to so many D from the middle of the cloud.
 const FARTHEST: f64 = 1e12;
