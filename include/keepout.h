@@ -172,7 +172,8 @@
 #define KO_AGGREGATE_P_NORM 3
 
 /**
- * The least value, with the gradient of the first sample that has it. Not smooth: no Hessian, and a gradient that jumps.
+ * The least value, to a rounding in which it may lie above it, with the gradient of the first sample that has it. Not smooth: no Hessian,
+ * and a gradient that jumps.
  */
 #define KO_AGGREGATE_MINIMUM 4
 
@@ -741,8 +742,9 @@ typedef struct ko_certify_options {
      */
     double tolerance;
     /**
-     * Boxes that each of four searches may split off, at least 1; where more are needed its bound is sound but looser, and the call ends
-     * with KO_BUDGET_REACHED. It bounds time, a few microseconds a box, and memory, some 150 bytes a box. Default 4000000.
+     * Bounds that each of four searches may take of boxes that it splits off, at least 1: one a box, and one for each cell that a piece of
+     * the shape meets. Where more are needed the search's result is sound but looser, and the call ends with KO_BUDGET_REACHED. Beside the
+     * first look at every cell and triangle it bounds time, a few microseconds a bound, and memory, some 150 bytes a bound. Default 4000000.
      */
     uint64_t max_boxes;
     /**
@@ -785,7 +787,7 @@ typedef struct ko_certificate {
      */
     double place[3];
     /**
-     * eps: at least |phi| at every point of the shape.
+     * eps: at least |phi| at every point of the shape. Infinite where a budget ended before triangles longer than two cells were cut up.
      */
     double surface_error;
     /**
@@ -1090,13 +1092,33 @@ int32_t ko_mesh_sample(const struct ko_mesh *mesh,
  * only where it takes up half of what is seen from there: a bowl has one, a flat sheet has none, and its distances are positive behind it
  * too. The two sides of a sheet are told by `ko_cloud_sides`, of a sample of the mesh, and by the sign of a field fitted to one.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point that is not finite; KO_ERR_OUT_OF_MEMORY for the tree.
- * Threads: any number at once. Cost: O(log n_triangles) a point, and where W is within 0.02 of 1/2, as close behind a flat sheet, some
- * tens of nanoseconds more for each edge of the mesh's rim; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
+ * Threads: any number at once. Cost: O(log n_triangles) a point, and where W is so near to 1/2 that sums over far triangles do not tell the
+ * side, as close behind a flat sheet, some tens of nanoseconds more for each edge of the mesh's rim, or for each triangle among hundreds of
+ * nested shells; the first call on a mesh builds its tree, O(n_triangles log n_triangles).
  */
 int32_t ko_mesh_signed_distance(const struct ko_mesh *mesh,
                                 const double *points,
                                 size_t n_points,
                                 double *distances);
+
+/**
+ * Tells how many components the mesh has: parts that hang together by vertices that triangles share, in the plane segments.
+ *
+ * There may be fewer than `n_components` of `ko_mesh_get_report`, which a vertex alone does not connect. Errors: KO_ERR_INVALID_ARGUMENT
+ * for NULL, KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
+ */
+int32_t ko_mesh_get_component_count(const struct ko_mesh *mesh,
+                                    size_t *n_components);
+
+/**
+ * Copies a vertex of each component of the mesh to `points` [dim * n_components]: what a body that swallows the component holds.
+ *
+ * `n_components` must be that of `ko_mesh_get_component_count`, or of a certificate. Errors: KO_ERR_INVALID_ARGUMENT, also for another
+ * count; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
+ */
+int32_t ko_mesh_copy_component_points(const struct ko_mesh *mesh,
+                                      size_t n_components,
+                                      double *points);
 
 /**
  * Makes a cloud from `points` [dim * n_points] with `normals` [dim * n_points] out of the solid, of any length but 0.
@@ -1460,14 +1482,17 @@ int32_t ko_certify_options_init(struct ko_certify_options *options, size_t struc
  * on the feasible side, since the side changes only on the shape, and farther than d. Each component of the shape is then in the body or
  * off it as a whole. To exclude that the body swallowed one, test the points of `ko_mesh_copy_component_points` against the body: once
  * each of them is outside it, all of the body is on the feasible side and farther than d from the shape. An aggregate that is at most
- * the least phi, KS(min) say, serves for phi at the samples.
+ * the least phi, KS(min) say, serves for phi at the samples. Values of `ko_constraints` are s phi, s the scale of the field's frame: the
+ * test is value >= s t then; and d and r count in the field's frame, where lengths of the world are 1 / s times as long. What a pose rounds
+ * is the caller's to add to r: some 1e-15 of the coordinates.
  *
  * t comes from a search by boxes, split where phi is large, with phi between its Bezier points on each and exact distances to the mesh;
  * what rounding can do is added. The mesh bounds a solid where every edge is run through as often one way as the other and the volume is
  * positive. Elsewhere sides are not certified: t covers what is within d + r of the shape, on both sides.
  * Returns KO_SIDE_NOT_CERTIFIED, a success, for a mesh that bounds no solid; KO_BUDGET_REACHED, a success, where `max_boxes` made a bound
  * looser than `tolerance`. The certificate tells of both. The same input gives the same bits.
- * Errors: KO_ERR_INVALID_ARGUMENT for a length or an option out of its range and for a mesh of another dimension; KO_ERR_DEGENERATE where
+ * Errors: KO_ERR_INVALID_ARGUMENT for a length or an option out of its range, for a mesh of another dimension, and where the coordinates and
+ * d + r together are above 1e11 times the shortest cell, so that rounding would lose the cells; KO_ERR_DEGENERATE where
  * phi grows without end on the infeasible side, as of a field that does not have this mesh inside its box, or with the other side
  * feasible; KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_OUT_OF_MEMORY; KO_ERR_CANCELLED.
  * Threads: any number at once; `progress` is called on the caller's. Cost: every cell is bounded, a microsecond or two, and every triangle;
@@ -1481,25 +1506,6 @@ int32_t ko_field_certify(const struct ko_field *field,
                          const struct ko_certify_options *options,
                          size_t certificate_size,
                          struct ko_certificate *certificate);
-
-/**
- * Tells how many components the mesh has: parts that hang together by vertices that triangles share, in the plane segments.
- *
- * There may be fewer than `n_components` of `ko_mesh_get_report`, which a vertex alone does not connect. Errors: KO_ERR_INVALID_ARGUMENT
- * for NULL, KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
- */
-int32_t ko_mesh_get_component_count(const struct ko_mesh *mesh,
-                                    size_t *n_components);
-
-/**
- * Copies a vertex of each component of the mesh to `points` [dim * n_components]: what a body that swallows the component holds.
- *
- * `n_components` must be that of `ko_mesh_get_component_count`, or of a certificate. Errors: KO_ERR_INVALID_ARGUMENT, also for another
- * count; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass over the triangles.
- */
-int32_t ko_mesh_copy_component_points(const struct ko_mesh *mesh,
-                                      size_t n_components,
-                                      double *points);
 
 /**
  * Fills `aggregation` with the defaults. `struct_size` is sizeof *aggregation.
@@ -1528,8 +1534,8 @@ int32_t ko_aggregate(const struct ko_aggregation *aggregation,
                      double *hessian);
 
 /**
- * Tells how far an aggregate of KO_LEAST may lie from the least of `n_values` values: `*below` it and `*above` it, in units of D. Each may
- * be NULL.
+ * Tells how far an aggregate of KO_LEAST may lie from the least of `n_values` values: `*below` it and `*above` it, in units of D, not
+ * negative. Each may be NULL. Beyond them come roundings of some 1e-15 times the values and D.
  *
  * `aggregation` NULL: KS. `least` is the least value in units of D; it counts for KO_AGGREGATE_P_NORM alone.
  * Errors: KO_ERR_INVALID_ARGUMENT for no values and a `least` that is not finite or beyond 1e12 in size. Threads: any. Cost: none.
@@ -1559,9 +1565,10 @@ int32_t ko_body_from_points(uint32_t dim,
  * `covering_radius` from one of them, in the mesh's unit of length.
  *
  * They are the vertices of its facets, halved along their longest edges until these are at most sqrt(3) radii long, in the plane 2: a
- * surface of area S gets some S / radius^2 beside the mesh's own. `*body` is the caller's to free; it does not refer to the mesh.
+ * surface of area S gets some 0.7 to 1.3 S / radius^2 beside the mesh's own. `*body` is the caller's to free; it does not refer to the mesh.
  * Errors: KO_ERR_INVALID_ARGUMENT for a radius outside [1e-90, 1e90], or so small that it asks for more than 2^30 points or for points
- * that doubles do not tell apart; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: some 100 ns and 100 bytes a point.
+ * that doubles do not tell apart: at once where area or length alone tell so, with the smallest radius that they let through;
+ * KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: less than a microsecond, and some 100 bytes, a point.
  */
 int32_t ko_body_from_mesh(const struct ko_mesh *mesh,
                           double covering_radius,
@@ -1636,7 +1643,7 @@ int32_t ko_constraints_add_fixed_frame(struct ko_constraints *constraints,
  * Adds `n_points` points of the world whose coordinates [dim * n_points] are variables: of a path, or of a design that the caller moves
  * and differentiates itself. `*points` is their number.
  *
- * Errors: KO_ERR_INVALID_ARGUMENT for no points, and for more than 2^31 variables in all. Threads: needs the handle alone. Cost: none.
+ * Errors: KO_ERR_INVALID_ARGUMENT for no points, and for more than 2^31 - 1 variables in all. Threads: needs the handle alone. Cost: none.
  */
 int32_t ko_constraints_add_points(struct ko_constraints *constraints,
                                   size_t n_points,
@@ -1649,8 +1656,8 @@ int32_t ko_constraints_add_points(struct ko_constraints *constraints,
  * The value is s phi, s the scale of the field's frame. Frames are numbers that `ko_constraints_add_frame` gave, or KO_WORLD. A body and a
  * field that both move are kept apart by two calls, each body's points in the other's field. `aggregation` NULL: KS. The body and the field
  * stay in use until the constraints are freed, and may be freed before.
- * Errors: KO_ERR_INVALID_ARGUMENT for another dimension, a number that is no frame's, one moving frame for both, and for more than 2^31
- * values or entries. Threads: needs `constraints` alone. Cost: none.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another dimension, a number that is no frame's, one moving frame for both, and for more than
+ * 2^31 - 1 values or entries. Threads: needs `constraints` alone. Cost: none.
  */
 int32_t ko_constraints_keep_body(struct ko_constraints *constraints,
                                  const struct ko_body *body,
@@ -1879,7 +1886,9 @@ int32_t ko_explicit_eval(const struct ko_explicit *formula,
  * Errors: KO_ERR_UNSUPPORTED for meshes of the plane; KO_ERR_INVALID_ARGUMENT for a translation that is not finite, a sharpness out of its
  * range, a wrong n_vertices, a diagonal outside [1e-90, 1e90], coordinates beyond 1e90; KO_ERR_OUT_OF_MEMORY.
  * Threads: any number at once. Cost: the first call on a mesh builds its tree, some microseconds a triangle; then about a microsecond for
- * each pair of triangles about as near as the nearest, or crossing, a test of sides for each connected part, and some nanoseconds a vertex.
+ * each pair of triangles about as near as the nearest, or crossing, with KS for each pair no farther apart than the least distance and 37 D /
+ * sharpness: below some 40 these are all n_a n_b pairs, minutes for meshes of 20,000 triangles, with no way to cancel. A test of sides for
+ * each connected part, and some nanoseconds a vertex.
  */
 int32_t ko_meshes_separation(const struct ko_mesh *mesh_a,
                              const struct ko_mesh *mesh_b,
