@@ -172,11 +172,16 @@ mod tests {
             }
             let on = add(a, add(scale(x, sub(b, a)), scale(y, sub(c, a))));
             let away = 10.0_f64.powf(random.between(-12.0, 0.0));
-            assert!(closest(on, &corners).distance_squared.sqrt() < 1e-15, "{height}");
+            let edges = |p: Vec3| [corners[1], corners[2], p].map(|q| sub(q, corners[0]));
+            let found = closest_on_needle(edges(on)).distance_squared.sqrt();
+            assert!(found < 2e-15, "{height}: {found}");
+            // Told by the normal where the triangle is no needle yet.
+            let found = closest(on, &corners).distance_squared.sqrt();
+            assert!(found < 1e-12, "{height}: {found}");
             // No nearer than along the normal, and no farther than the point below.
             if norm(n) > 0.0 {
                 let above = add(on, scale(away / norm(n), n));
-                let found = closest(above, &corners).distance_squared.sqrt();
+                let found = closest_on_needle(edges(above)).distance_squared.sqrt();
                 assert!(found <= away + 2e-15, "{height}, {away}: {found}");
             }
         }

@@ -248,9 +248,9 @@ fn bodies_at_the_threshold_are_clear() {
 #[test]
 fn of_shells_in_shells_what_is_inside_all_is_infeasible() {
     let (mesh, ball) = (shells(100), sphere([0.0; 3], 1.6, 2).unwrap());
-    let grid = *fit(&ball, &FitOptions { control_points: [24; 3], ..FitOptions::default() }).grid();
+    let grid = *fit(&ball, &FitOptions { control_points: [16; 3], ..FitOptions::default() }).grid();
     let mut random = SplitMix64::new(3);
-    for _ in 0..20 {
+    for _ in 0..3 {
         // phi is 1 on the faces and about one place inside, and -1 elsewhere.
         let n = grid.axes.map(|a| a.n_control());
         let top: [usize; 3] = std::array::from_fn(|a| n[a] / 2 - 2 + (4.0 * random.unit()) as usize);
@@ -262,7 +262,7 @@ fn of_shells_in_shells_what_is_inside_all_is_infeasible() {
         };
         let c = (0..grid.n_control()).map(control_point).collect();
         let field = Field::from_control_points(grid, c, Feasible::Outside, 3.0).unwrap();
-        let options = CertifyOptions { tolerance: 1e-3, ..CertifyOptions::default() };
+        let options = CertifyOptions { tolerance: 0.01, max_boxes: 2000, ..CertifyOptions::default() };
         let certificate = field.certify(&mesh, 0.01, 0.01, &options, &mut Progress::silent()).unwrap();
         let peak = (0..2000).map(|_| std::array::from_fn(|_| random.between(-0.5, 0.5)));
         let peak = peak.map(|p| value(&field, p)).fold(f64::NEG_INFINITY, f64::max);
