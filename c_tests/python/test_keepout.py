@@ -1,10 +1,13 @@
 """The Python module: every call, in space and in the plane, its errors, and who owns what."""
 
+import copy
 import gc
 import pathlib
+import pickle
 import tempfile
 import threading
 import unittest
+import weakref
 
 import numpy as np
 
@@ -465,6 +468,30 @@ class Bounding(TestCase):
         np.testing.assert_array_equal(constraints.values(x), values)
         self.check_derivatives(constraints, x)
 
+    def test_constraints_are_written_to_the_caller_s_arrays(self):
+        field, constraints = made_field(2), Constraints.create(2)
+        keep = (field, keepout.WORLD, Aggregation(kind=Aggregate.NONE))
+        constraints.keep_points(constraints.add_points(3), *keep)
+        for n in (3, 5):  # sizes follow what is added
+            x = np.linspace(-0.5, 0.5, 2 * n)
+            values, entries = np.empty(n), np.empty(2 * n)
+            constraints.values_into(x, values)
+            constraints.jacobian_into(x, entries)
+            np.testing.assert_array_equal(values, field(x.reshape(n, 2)))
+            np.testing.assert_array_equal(entries, field.eval(x.reshape(n, 2))[1].ravel())
+            both = np.zeros(n), np.zeros(2 * n)
+            constraints.values_and_jacobian_into(x, *both)
+            np.testing.assert_array_equal(both[0], constraints.values(x))
+            np.testing.assert_array_equal(both[1], constraints.jacobian(x))
+            with self.fails(Status.INVALID_ARGUMENT, f"values is float64 (1,); an array of float64 ({n},)"):
+                constraints.values_into(x, np.empty(1))
+            with self.fails(Status.INVALID_ARGUMENT, "entries is NoneType"):
+                constraints.jacobian_into(x, None)
+            constraints.keep_points(constraints.add_points(2), *keep)
+        constraints.close()
+        with self.fails(Status.INVALID_ARGUMENT, "constraints is NULL"):
+            constraints.values(x)
+
     def test_constraints_in_the_plane(self):
         field, body = made_field(2), Body.from_points(np.random.default_rng(7).uniform(-0.4, 0.4, (30, 2)))
         constraints = Constraints.create(2)
@@ -578,6 +605,51 @@ class ProgressIsHeard(TestCase):
             with self.assertRaises(KeyboardInterrupt):
                 Field.fit(cube().sample(300), small_fit(), stop)
 
+    def test_exceptions_that_are_false_come_out(self):
+        class Empty(Exception):
+            def __len__(self) -> int:
+                return 0
+
+        def stop(*_: object) -> None:
+            raise Empty
+
+        with self.assertRaises(Empty):
+            Field.fit(cube().sample(300), small_fit(), stop)
+
+    def test_nothing_that_was_heard_is_kept(self):
+        class Witness:
+            pass
+
+        def fit(cloud: Cloud, stops: bool) -> weakref.ref:
+            witness = Witness()
+
+            def progress(*_: object, held: Witness = witness) -> None:
+                if stops:
+                    raise KeyboardInterrupt
+
+            try:
+                Field.fit(cloud, small_fit(), progress)
+            except KeyboardInterrupt:
+                pass
+            return weakref.ref(witness)
+
+        cloud = cube().sample(300)
+        gc.collect()
+        gc.disable()
+        try:
+            self.assertIsNone(fit(cloud, stops=False)())
+            self.assertIsNone(fit(cloud, stops=True)())
+        finally:
+            gc.enable()
+
+    def test_what_cancels(self):
+        cloud = cube().sample(300)
+        for answer in (False, np.False_):
+            with self.fails(Status.CANCELLED, "cancelled"):
+                Field.fit(cloud, small_fit(), lambda *_: answer)
+        for answer in (None, 0, True, np.True_):
+            Field.fit(cloud, small_fit(), lambda *_: answer)
+
 
 class Errors(TestCase):
     def test_files(self):
@@ -623,6 +695,64 @@ class Errors(TestCase):
         with self.fails(Status.INVALID_ARGUMENT, "control_points is -8"):
             FitOptions(control_points=(8, -8))
         self.assertEqual(tuple(FitOptions(control_points=(8, 9)).control_points), (8, 9, 0))
+        for counts in ((), (8, 9, 10, 11)):
+            with self.fails(Status.INVALID_ARGUMENT, f"control_points has {len(counts)} entries"):
+                FitOptions(control_points=counts)
+
+    def test_numbers_that_c_has_no_room_for(self):
+        too_many = "4294967295 is the largest"
+        for make, words in (
+            (lambda: FitOptions(control_points=2**32 + 20), too_many),
+            (lambda: FitOptions(n_threads=2**32), too_many),
+            (lambda: FitOptions(feasible=2**32 + 1), "feasible is 4294967297; 2147483647 is the largest"),
+            (lambda: FitOptions(feasible=-(2**31) - 1), "feasible is -2147483649"),
+            (lambda: FitOptions(max_unknowns=2**64), "max_unknowns is 18446744073709551616"),
+            (lambda: Constraints.create(2**32 + 2), "dim is 4294967298"),
+            (lambda: Constraints.create().add_frame(2**32), "rotation is 4294967296"),
+            (lambda: Constraints.create().frame_variables(2**32), "frame is 4294967296"),
+            (lambda: cube().sample(2**64 + 10), "n_points is"),
+            (lambda: cube().sample(10, seed=2**64 + 5), "seed is"),
+            (lambda: cube().sample(10, seed=-1), "seed is -1"),
+            (lambda: Mesh.from_polylines(FRAME, [0, 4], 2**32), "kind is"),
+            (lambda: made_field(3).eval(np.zeros((3, 3)), n_threads=2**32 + 1), too_many),
+            (lambda: Field.from_control_points(np.ones((5, 5)), [0, 0], [1, 1], 1.0, 2**32), "feasible is"),
+            (lambda: keepout.aggregate([1.0], 1.0, extreme=2**32), "extreme is"),
+        ):
+            with self.fails(Status.INVALID_ARGUMENT, words):
+                make()
+        self.assertEqual(len(cube().sample(10, seed=2**64 - 1)), 10)
+
+    def test_arrays_that_are_not_plain(self):
+        field = made_field(2)
+        right = field([[0.25, 0.5], [0.1, 0.2]])
+        unaligned = np.frombuffer(bytearray(33), dtype=np.float64, count=4, offset=1).reshape(2, 2)
+        self.assertTrue(unaligned.flags.c_contiguous and not unaligned.flags.aligned)
+        unaligned[:] = [[0.25, 0.5], [0.1, 0.2]]
+        np.testing.assert_array_equal(field(unaligned), right)
+        with self.fails(Status.INVALID_ARGUMENT, "values must be C-contiguous, aligned and writeable"):
+            field.eval_into(unaligned, unaligned.reshape(-1)[:2])
+        with self.fails(Status.INVALID_ARGUMENT, "points holds complex128; real numbers are needed"):
+            field(np.array([[0.25 + 1e-20j, 0.5]]))
+        with self.fails(Status.INVALID_ARGUMENT, "points holds complex128"):
+            Cloud.from_points([[1j, 0]])
+        with self.fails(Status.INVALID_ARGUMENT, "control_points holds complex128"):
+            Field.from_control_points(np.ones((5, 5), dtype=complex), [0, 0], [1, 1], 1.0)
+        with self.fails(Status.INVALID_ARGUMENT, "points has masked entries"):
+            field(np.ma.masked_array([[0.25, 0.5]], mask=[[True, False]]))
+        with self.fails(Status.INVALID_ARGUMENT, "triangles has masked entries"):
+            Mesh.from_triangles(CUBE, np.ma.masked_array(CUBE_TRIANGLES, mask=CUBE_TRIANGLES == 3))
+        np.testing.assert_array_equal(field(np.ma.masked_array([[0.25, 0.5], [0.1, 0.2]])), right)
+
+    def test_errors_travel(self):
+        error = pickle.loads(pickle.dumps(Error(Status.IO, "no such file")))
+        self.assertEqual((type(error), error.status, str(error)), (Error, Status.IO, "no such file"))
+        newer = Error(-999, "of a newer library")
+        self.assertEqual((newer.status, str(newer)), (-999, "of a newer library"))
+        self.assertEqual(pickle.loads(pickle.dumps(newer)).status, -999)
+
+    def test_a_library_without_a_call_is_too_old(self):
+        with self.assertRaisesRegex(ImportError, r"libkeepout \d+\.\d+\.\d+, is too old for this module: it has no ko_no_such_call"):
+            keepout._bind("ko_no_such_call", None)
 
     def test_options(self):
         with self.assertRaisesRegex(AttributeError, "there is no option marign; there are .*margin"):
@@ -669,6 +799,14 @@ class Ownership(TestCase):
         field.close()
         with self.fails(Status.INVALID_ARGUMENT, "field is NULL"):
             field([0, 0, 0])
+
+    def test_handles_have_one_owner(self):
+        cloud = cube().sample(300)
+        body, constraints = Body.from_points(CUBE), Constraints.create()
+        for handle in (cube(), cloud, made_field(3), body, constraints, keepout.Explicit.create(cloud)):
+            for take in (copy.copy, copy.deepcopy, pickle.dumps):
+                with self.assertRaisesRegex(TypeError, f"a {type(handle).__name__} cannot be copied"):
+                    take(handle)
 
     def test_the_last_reference_frees(self):
         mesh = cube()

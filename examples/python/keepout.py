@@ -4,13 +4,14 @@
     field = keepout.Field.fit(keepout.Mesh.read("part.stl").sample(25000, seed=1))
     values, gradients = field.eval(points, derivatives=1)
 
-Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous float64 is handed over as it is, all else is
-copied first; eval_into writes to arrays of the caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
+Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous, aligned float64 is handed over as it is, all else
+is copied first; complex numbers and masked entries are refused. eval_into writes to arrays of the caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
 Handles. Mesh, Cloud, Field, Body, Constraints and Explicit free what they hold with the last reference to them, at the end of a
 `with` block, or by close().
 Errors. A call that fails raises Error, with the library's message and its status.
 Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
-The library is the file $KEEPOUT_LIBRARY, else one beside this file or in a build tree above it, else where the system finds it.
+The library is the file $KEEPOUT_LIBRARY, else one beside this file, in a build tree above it or installed with it,
+else where the system finds it.
 """
 
 from __future__ import annotations
@@ -146,11 +147,18 @@ class Polylines(enum.IntEnum):
 
 
 class Error(RuntimeError):
-    """A call that failed: its message says what was wrong, where, and what would be right; `status` is one of Status."""
+    """A call that failed: its message says what was wrong, where, and what would be right; `status` is one of Status, or a plain
+    int where the library is newer than this module and has more of them."""
 
     def __init__(self, status: int, message: str) -> None:
         super().__init__(message)
-        self.status = Status(status)
+        try:
+            self.status: int = Status(status)
+        except ValueError:
+            self.status = int(status)
+
+    def __reduce__(self) -> Any:
+        return type(self), (int(self.status), str(self))
 
 
 ko_progress = ctypes.CFUNCTYPE(c_int32, c_double, c_char_p, c_void_p)
@@ -412,6 +420,9 @@ def _candidates() -> list[str]:
     if (root / "include/keepout.h").exists():
         built += [root / "build/lib/libkeepout.so", *sorted(root.glob("build/*/lib/libkeepout.so"))]
         built += [root / "target/cmake/lib/libkeepout.so", root / "target/release/libkeepout.so"]
+    if here.parts[-3:] == ("share", "keepout", "python"):  # where `cmake --install` puts this file
+        prefix, file = here.parents[2], f"libkeepout.so.{ABI_VERSION}"
+        built += [*sorted(prefix.glob(f"lib*/{file}")), *sorted(prefix.glob(f"lib/*/{file}"))]
     found = ctypes.util.find_library("keepout")
     return [str(path) for path in built if path.exists()] + ([found] if found else [])
 
@@ -436,16 +447,32 @@ _indices = POINTER(c_uint32)
 
 
 def _bind(name: str, returns: Any, *takes: Any) -> Any:
-    function = getattr(_library, name)
+    try:
+        function = getattr(_library, name)
+    except AttributeError:
+        raise ImportError(f"{_library._name}, libkeepout {version()}, is too old for this module: it has no {name}") from None
     function.restype = returns
     function.argtypes = takes
     return function
 
 
-_last_error = _bind("ko_last_error", c_char_p)
-_status_string = _bind("ko_status_string", c_char_p, c_int32)
+def version() -> str:
+    """Version of the library, "major.minor.patch"."""
+    return _version().decode()
+
+
+def abi_version() -> int:
+    """Version of the ABI of the library; ABI_VERSION is that of this module."""
+    return _abi_version()
+
+
 _version = _bind("ko_version", c_char_p)
 _abi_version = _bind("ko_abi_version", c_uint32)
+if abi_version() != ABI_VERSION:
+    raise ImportError(f"{_library._name} has ABI {abi_version()}; this module needs {ABI_VERSION}")
+
+_last_error = _bind("ko_last_error", c_char_p)
+_status_string = _bind("ko_status_string", c_char_p, c_int32)
 _capabilities = _bind("ko_capabilities", c_uint64)
 
 _mesh_read = _bind("ko_mesh_read", c_int32, c_char_p, POINTER(_mesh))
@@ -656,16 +683,6 @@ _meshes_separation = _bind(
 )
 
 
-def version() -> str:
-    """Version of the library, "major.minor.patch"."""
-    return _version().decode()
-
-
-def abi_version() -> int:
-    """Version of the ABI of the library; ABI_VERSION is that of this module."""
-    return _abi_version()
-
-
 def capabilities() -> Capability:
     """What the library's build can do."""
     return Capability(_capabilities())
@@ -674,10 +691,6 @@ def capabilities() -> Capability:
 def status_string(status: int) -> str:
     """Name of a status, "KO_ERR_IO", say."""
     return _status_string(status).decode()
-
-
-if abi_version() != ABI_VERSION:
-    raise ImportError(f"{_library._name} has ABI {abi_version()}; this module needs {ABI_VERSION}")
 
 
 # ---- Arrays and errors
@@ -692,9 +705,20 @@ def _wrong(message: str) -> Error:
     return Error(Status.INVALID_ARGUMENT, message)
 
 
+def _laid_out(name: str, array: npt.ArrayLike, type_: Any = np.float64) -> Array:
+    """`array` as C reads it: of `type_`, C-contiguous and aligned; itself where it is so already."""
+    given = np.asarray(array)
+    if given.dtype.kind == "c":
+        raise _wrong(f"{name} holds {given.dtype}; real numbers are needed")
+    if np.ma.is_masked(array):
+        raise _wrong(f"{name} has masked entries; fill or leave them out")
+    numbers = np.ascontiguousarray(given, dtype=type_)
+    return numbers if numbers.flags.aligned else numbers.copy()
+
+
 def _numbers(name: str, array: npt.ArrayLike, width: Optional[int], type_: Any = np.float64) -> Array:
     """`array` as [n, width], C-contiguous; itself where it is so already. Width None: [n]."""
-    numbers = np.ascontiguousarray(array, dtype=type_)
+    numbers = _laid_out(name, array, type_)
     if width is None:
         if numbers.ndim != 1:
             raise _wrong(f"{name} has the shape {numbers.shape}; [n] is needed")
@@ -708,7 +732,7 @@ def _numbers(name: str, array: npt.ArrayLike, width: Optional[int], type_: Any =
 
 def _points_of_any_dim(points: npt.ArrayLike) -> Array:
     """`points` as [n, dim]; which dimensions there are is for the call to say."""
-    points = np.ascontiguousarray(points, dtype=np.float64)
+    points = _laid_out("points", points)
     if points.ndim != 2:
         raise _wrong(f"points has the shape {points.shape}; [n, 2] or [n, 3] is needed")
     return points
@@ -720,13 +744,16 @@ def _indices_of(name: str, array: npt.ArrayLike, width: Optional[int], type_: An
     if given.dtype != type_ and given.size > 0:
         if given.dtype.kind not in "iu" or given.min() < 0 or given.max() > np.iinfo(type_).max:
             raise _wrong(f"{name} holds {given.dtype}; indices from 0 are needed")
-    return _numbers(name, given, width, type_)
+    return _numbers(name, array if np.ma.is_masked(array) else given, width, type_)
 
 
 def _room(name: str, array: Optional[Array], shape: tuple[int, ...], type_: Any = np.float64) -> Optional[Array]:
-    """`array`, into which the library can write `shape`."""
-    if array is None:
-        return None
+    """`array`, into which the library can write `shape`; None stays None."""
+    return None if array is None else _needed(name, array, shape, type_)
+
+
+def _needed(name: str, array: Any, shape: tuple[int, ...], type_: Any = np.float64) -> Array:
+    """The same of an array that there must be."""
     if not isinstance(array, np.ndarray) or array.dtype != type_ or array.shape != shape:
         found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
         raise _wrong(f"{name} is {found}; an array of {np.dtype(type_)} {shape} is needed")
@@ -740,12 +767,31 @@ def _at(array: Optional[Array], type_: Any = c_double) -> Any:
     return None if array is None else array.ctypes.data_as(POINTER(type_))
 
 
+def _whole(name: str, value: Any, type_: Any) -> int:
+    """A number that C takes as `type_`: ctypes would wrap one that does not fit around."""
+    number = operator.index(value)
+    signed, bits = type_(-1).value < 0, 8 * ctypes.sizeof(type_)
+    largest = (1 << (bits - signed)) - 1
+    if not signed and number < 0:
+        raise _wrong(f"{name} is {number}; it must not be negative")
+    if not -signed * (largest + 1) <= number <= largest:
+        raise _wrong(f"{name} is {number}; {largest} is the largest that C takes")
+    return number
+
+
 def _count(name: str, value: Any) -> int:
-    """A number that C takes as unsigned: ctypes would wrap a negative one around."""
-    count = operator.index(value)
-    if count < 0:
-        raise _wrong(f"{name} is {count}; it must not be negative")
-    return count
+    """The same of a size_t."""
+    return _whole(name, value, c_size_t)
+
+
+def _small(name: str, value: Any) -> int:
+    """The same of a uint32_t."""
+    return _whole(name, value, c_uint32)
+
+
+def _choice(name: str, value: Any) -> int:
+    """The same of an int32_t, as enumerators are; whether there is such a one is for the call to say."""
+    return _whole(name, value, c_int32)
 
 
 def _path(path: Union[str, os.PathLike]) -> bytes:
@@ -769,6 +815,15 @@ class _Handle:
         """Frees what is held. No other thread may be using it. Calls from then on raise Error."""
         self._as_parameter_ = type(self._as_parameter_)()
         self._finalizer()
+
+    def __reduce__(self) -> Any:
+        raise TypeError(f"a {type(self).__name__} cannot be copied or pickled: it owns what the library holds")
+
+    def __copy__(self) -> Any:
+        return self.__reduce__()
+
+    def __deepcopy__(self, _: Any) -> Any:
+        return self.__reduce__()
 
     def __enter__(self):
         return self
@@ -797,10 +852,12 @@ class _Options:
         if name not in options:
             raise AttributeError(f"there is no option {name}; there are {', '.join(options)}")
         if name == "control_points":
-            counts = [value] * 3 if np.ndim(value) == 0 else [*value, 0][:3]
-            value = (c_uint32 * 3)(*(_count(name, count) for count in counts))
-        elif options[name] in (c_uint32, c_uint64):
-            value = _count(name, value)
+            counts = [value] * 3 if np.ndim(value) == 0 else [*value]
+            if not 1 <= len(counts) <= 3:
+                raise _wrong(f"control_points has {len(counts)} entries; one for each axis, 3 at most, are needed")
+            value = (c_uint32 * 3)(*(_small(name, count) for count in counts))
+        elif options[name] in (c_int32, c_uint32, c_uint64):
+            value = _whole(name, value, options[name])
         super().__setattr__(name, value)
 
 
@@ -864,7 +921,8 @@ class _Listener:
 
     def hear(self, fraction: float, stage: bytes, _data: Optional[int]) -> int:
         try:
-            return int(self.progress(fraction, stage.decode()) is False)
+            answer = self.progress(fraction, stage.decode())
+            return int(answer is False or (isinstance(answer, np.bool_) and not answer))
         except BaseException as exception:  # KeyboardInterrupt too
             self.raised = exception
             return 1
@@ -876,8 +934,15 @@ def _listened(plain: Any, progress: Optional[Progress], call: Callable[[Any], in
     if listener:
         plain.progress = listener.for_c
     status = call(ctypes.byref(plain))
-    if listener and listener.raised:
-        raise listener.raised
+    if listener:
+        # Neither its own method nor the frames of an exception may hold the listener in a circle, and with it all that they refer to.
+        plain.progress = listener.for_c = ko_progress()
+        raised, listener.raised = listener.raised, None
+        try:
+            if raised is not None:
+                raise raised
+        finally:
+            del raised
     _check(status)
     return status
 
@@ -942,7 +1007,7 @@ class Mesh(_Handle):
         handle = _mesh()
         _check(
             _mesh_from_polylines(
-                _at(points), len(points), _at(starts, c_size_t), len(starts), kind, ctypes.byref(handle)
+                _at(points), len(points), _at(starts, c_size_t), len(starts), _choice("kind", kind), ctypes.byref(handle)
             )
         )
         return cls(handle)
@@ -999,7 +1064,7 @@ class Mesh(_Handle):
     def sample(self, n_points: int, seed: int = 0) -> Cloud:
         """`n_points` points of the surface or the curves with normals, evenly spread."""
         handle = _cloud()
-        _check(_mesh_sample(self, _count("n_points", n_points), seed, ctypes.byref(handle)))
+        _check(_mesh_sample(self, _count("n_points", n_points), _whole("seed", seed, c_uint64), ctypes.byref(handle)))
         return Cloud(handle)
 
     def signed_distance(self, points: npt.ArrayLike) -> Array:
@@ -1178,13 +1243,13 @@ class Field(_Handle):
         feasible: Feasible = Feasible.OUTSIDE,
     ) -> Field:
         """Of control points, with an axis for each of the box, from box_min [dim] to box_max [dim]; `diagonal` is the report's D."""
-        control_points = np.ascontiguousarray(control_points, dtype=np.float64)
+        control_points = _laid_out("control_points", control_points)
         low, high = _numbers("box_min", box_min, None), _numbers("box_max", box_max, None)
         dim, counts = control_points.ndim, np.array(control_points.shape, dtype=np.uint32)
         if not len(low) == len(high) == dim:
             raise _wrong(f"control_points has {dim} axes, box_min {len(low)}, box_max {len(high)}; they must be as many")
         box, numbers = (_at(counts, c_uint32), _at(low), _at(high)), (_at(control_points), control_points.size)
-        handle = _field()
+        handle, feasible = _field(), _choice("feasible", feasible)
         _check(_field_from_control_points(dim, *box, feasible, diagonal, *numbers, ctypes.byref(handle)))
         return cls(handle)
 
@@ -1247,7 +1312,7 @@ class Field(_Handle):
         if n_threads == 1:
             _check(_field_eval(self, _at(points), n, *outputs))
         else:
-            _check(_field_eval_parallel(self, _at(points), n, *outputs, _count("n_threads", n_threads)))
+            _check(_field_eval_parallel(self, _at(points), n, *outputs, _small("n_threads", n_threads)))
 
     def eval_lattice(
         self, origin: npt.ArrayLike, steps: npt.ArrayLike, counts: Sequence[int], derivatives: int = 1, n_threads: int = 1
@@ -1267,7 +1332,7 @@ class Field(_Handle):
         outputs = (np.empty(shape), np.empty((*shape, self.dim)))[: derivatives + 1]
         to = (_at(outputs[0]), _at(outputs[1]) if derivatives else None)
         at = (_at(origin), _at(steps), _at(sizes, c_size_t), len(steps))
-        _check(_field_eval_lattice(self, *at, *to, _count("n_threads", n_threads)))
+        _check(_field_eval_lattice(self, *at, *to, _small("n_threads", n_threads)))
         return outputs
 
     def level_set(
@@ -1345,7 +1410,7 @@ def aggregate(
     n, value = len(values), c_double()
     found = tuple(np.empty(size) for size in (n, n * (n + 1) // 2)[:derivatives])
     to = [_at(array) for array in found] + [None] * (2 - derivatives)
-    _check(_aggregate(_plain(aggregation), extreme, unit, _at(values), n, ctypes.byref(value), *to))
+    _check(_aggregate(_plain(aggregation), _choice("extreme", extreme), unit, _at(values), n, ctypes.byref(value), *to))
     return (value.value, *found)
 
 
@@ -1432,18 +1497,20 @@ class Constraints(_Handle):
 
     _free = staticmethod(_constraints_free)
     _pointer = _constraints
+    _sizes: Optional[Size] = None
 
     @classmethod
     def create(cls, dim: int = 3) -> Constraints:
         """Without variables and values; dim is 2 or 3."""
         handle = _constraints()
-        _check(_constraints_create(_count("dim", dim), ctypes.byref(handle)))
+        _check(_constraints_create(_small("dim", dim), ctypes.byref(handle)))
         return cls(handle)
 
     def add_frame(self, rotation: Rotation = Rotation.NONE, scale: Scale = Scale.ONE) -> int:
         """A frame whose parameters are variables: dim of its place, then those of its rotation, then its scale."""
-        frame = c_uint32()
-        _check(_constraints_add_frame(self, rotation, scale, ctypes.byref(frame)))
+        frame, turned = c_uint32(), (_choice("rotation", rotation), _choice("scale", scale))
+        self._sizes = None
+        _check(_constraints_add_frame(self, *turned, ctypes.byref(frame)))
         return frame.value
 
     def add_fixed_frame(
@@ -1452,12 +1519,15 @@ class Constraints(_Handle):
         """A frame that stands still at `parameters`."""
         parameters = _numbers("parameters", parameters, None)
         frame, given = c_uint32(), (_at(parameters), len(parameters))
-        _check(_constraints_add_fixed_frame(self, rotation, scale, *given, ctypes.byref(frame)))
+        turned = (_choice("rotation", rotation), _choice("scale", scale))
+        self._sizes = None
+        _check(_constraints_add_fixed_frame(self, *turned, *given, ctypes.byref(frame)))
         return frame.value
 
     def add_points(self, n_points: int) -> int:
         """Points whose coordinates are variables."""
         points = c_uint32()
+        self._sizes = None
         _check(_constraints_add_points(self, _count("n_points", n_points), ctypes.byref(points)))
         return points.value
 
@@ -1465,8 +1535,9 @@ class Constraints(_Handle):
         self, body: Body, frame: int, field: Field, field_frame: int = WORLD, aggregation: Optional[Aggregation] = None
     ) -> int:
         """Keeps `body` in `frame` where phi of `field` in `field_frame` is positive: the number of the first value."""
-        first, frames = c_size_t(), (_count("frame", frame), _count("field_frame", field_frame))
+        first, frames = c_size_t(), (_small("frame", frame), _small("field_frame", field_frame))
         one, other = (body, frames[0]), (field, frames[1])
+        self._sizes = None
         _check(_constraints_keep_body(self, *one, *other, _plain(aggregation), ctypes.byref(first)))
         return first.value
 
@@ -1474,8 +1545,9 @@ class Constraints(_Handle):
         self, points: int, field: Field, field_frame: int = WORLD, aggregation: Optional[Aggregation] = None
     ) -> int:
         """The same of points that are variables."""
-        first, numbers = c_size_t(), (_count("points", points), _count("field_frame", field_frame))
+        first, numbers = c_size_t(), (_small("points", points), _small("field_frame", field_frame))
         other = (field, numbers[1])
+        self._sizes = None
         _check(_constraints_keep_points(self, numbers[0], *other, _plain(aggregation), ctypes.byref(first)))
         return first.value
 
@@ -1485,57 +1557,79 @@ class Constraints(_Handle):
         _check(_constraints_get_size(self, *(ctypes.byref(size) for size in sizes)))
         return Size(*(size.value for size in sizes))
 
+    def _size(self) -> Size:
+        """The same, asked for once after each addition."""
+        if self._sizes is None:
+            self._sizes = self.size()
+        return self._sizes
+
     def frame_variables(self, frame: int) -> slice:
         """Where in x the parameters of a frame are; empty for one that stands still."""
         first, n = c_size_t(), c_size_t()
-        frame = _count("frame", frame)
+        frame = _small("frame", frame)
         _check(_constraints_get_frame_variables(self, frame, ctypes.byref(first), ctypes.byref(n)))
         return slice(first.value, first.value + n.value)
 
     def points_variables(self, points: int) -> slice:
         """Where in x the coordinates of points are, point by point."""
         first, n = c_size_t(), c_size_t()
-        points = _count("points", points)
+        points = _small("points", points)
         _check(_constraints_get_points_variables(self, points, ctypes.byref(first), ctypes.byref(n)))
         return slice(first.value, first.value + n.value)
 
     def values(self, x: npt.ArrayLike) -> Array:
         """Values [n_values] at x, each to be kept at or above 0."""
-        x, values = _numbers("x", x, None), np.empty(self.size().n_values)
-        _check(_constraints_values(self, _at(x), len(x), len(values), _at(values)))
+        values = np.empty(self._size().n_values)
+        self.values_into(x, values)
         return values
+
+    def values_into(self, x: npt.ArrayLike, values: Array) -> None:
+        """The same into an array of the caller's."""
+        x, values = _numbers("x", x, None), _needed("values", values, (self._size().n_values,))
+        _check(_constraints_values(self, _at(x), len(x), len(values), _at(values)))
 
     def jacobian_pattern(self) -> Pattern:
         """Where the entries of jacobian stand: rows are values, columns variables."""
-        n = self.size().n_jacobian
+        n = self._size().n_jacobian
         pattern = Pattern(np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32))
         _check(_constraints_jacobian_pattern(self, n, _at(pattern.rows, c_int32), _at(pattern.columns, c_int32)))
         return pattern
 
     def jacobian(self, x: npt.ArrayLike) -> Array:
         """Entries [n_jacobian] of the Jacobian at x, in the order of jacobian_pattern."""
-        x, entries = _numbers("x", x, None), np.empty(self.size().n_jacobian)
-        _check(_constraints_jacobian(self, _at(x), len(x), len(entries), _at(entries)))
+        entries = np.empty(self._size().n_jacobian)
+        self.jacobian_into(x, entries)
         return entries
+
+    def jacobian_into(self, x: npt.ArrayLike, entries: Array) -> None:
+        """The same into an array of the caller's."""
+        x, entries = _numbers("x", x, None), _needed("entries", entries, (self._size().n_jacobian,))
+        _check(_constraints_jacobian(self, _at(x), len(x), len(entries), _at(entries)))
 
     def values_and_jacobian(self, x: npt.ArrayLike) -> tuple[Array, Array]:
         """Both at once, which costs no more than jacobian."""
-        x, size = _numbers("x", x, None), self.size()
+        size = self._size()
         values, entries = np.empty(size.n_values), np.empty(size.n_jacobian)
+        self.values_and_jacobian_into(x, values, entries)
+        return values, entries
+
+    def values_and_jacobian_into(self, x: npt.ArrayLike, values: Array, entries: Array) -> None:
+        """The same into arrays of the caller's."""
+        x, size = _numbers("x", x, None), self._size()
+        values, entries = _needed("values", values, (size.n_values,)), _needed("entries", entries, (size.n_jacobian,))
         to = (len(values), _at(values), len(entries), _at(entries))
         _check(_constraints_values_and_jacobian(self, _at(x), len(x), *to))
-        return values, entries
 
     def dense_jacobian(self, x: npt.ArrayLike) -> Array:
         """The Jacobian at x as a whole, [n_values, n_variables]."""
-        x, n_values = _numbers("x", x, None), self.size().n_values
+        x, n_values = _numbers("x", x, None), self._size().n_values
         jacobian = np.empty((n_values, len(x)))
         _check(_constraints_dense_jacobian(self, _at(x), len(x), n_values, _at(jacobian)))
         return jacobian
 
     def jacobian_times(self, x: npt.ArrayLike, v: npt.ArrayLike) -> Array:
         """J v, [n_values], at x for v [n_variables]."""
-        x, v, product = _numbers("x", x, None), _numbers("v", v, None), np.empty(self.size().n_values)
+        x, v, product = _numbers("x", x, None), _numbers("v", v, None), np.empty(self._size().n_values)
         if len(v) != len(x):
             raise _wrong(f"v has {len(v)} entries; {len(x)} are needed")
         _check(_constraints_jacobian_times(self, _at(x), _at(v), len(x), len(product), _at(product)))
@@ -1550,7 +1644,7 @@ class Constraints(_Handle):
 
     def hessian_pattern(self) -> Pattern:
         """Where the entries of hessian stand: variables both, columns no larger than rows."""
-        n = self.size().n_hessian
+        n = self._size().n_hessian
         pattern = Pattern(np.empty(n, dtype=np.int32), np.empty(n, dtype=np.int32))
         _check(_constraints_hessian_pattern(self, n, _at(pattern.rows, c_int32), _at(pattern.columns, c_int32)))
         return pattern
@@ -1558,7 +1652,7 @@ class Constraints(_Handle):
     def hessian(self, x: npt.ArrayLike, multipliers: npt.ArrayLike) -> Array:
         """Entries [n_hessian] of the Hessian of the sum of multipliers [n_values] times the values, the lower triangle alone."""
         x, multipliers = _numbers("x", x, None), _numbers("multipliers", multipliers, None)
-        entries = np.empty(self.size().n_hessian)
+        entries = np.empty(self._size().n_hessian)
         given = (_at(x), len(x), _at(multipliers), len(multipliers))
         _check(_constraints_hessian(self, *given, len(entries), _at(entries)))
         return entries
