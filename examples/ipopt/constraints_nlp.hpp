@@ -12,6 +12,7 @@
 #include <IpTNLP.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,7 +25,10 @@ public:
     ConstraintsNlp(const ko_constraints *constraints, double least, std::vector<double> weights, std::vector<double> targets,
                    std::vector<double> start)
         : x(std::move(start)), constraints_(constraints), least_(least), weights_(std::move(weights)), targets_(std::move(targets)) {
-        ko_constraints_get_size(constraints_, &n_, &m_, &n_jacobian_, &n_hessian_);
+        if (ko_constraints_get_size(constraints_, &n_, &m_, &n_jacobian_, &n_hessian_) < 0)
+            throw std::runtime_error(ko_last_error());
+        if (x.size() != n_ || weights_.size() != n_ || targets_.size() != n_)
+            throw std::runtime_error("start, weights and targets must have " + std::to_string(n_) + " entries, one a variable");
     }
 
     // The start, then the optimum, its values, and the multipliers of the Lagrangian f + multipliers . values.

@@ -245,9 +245,25 @@ void print_poses(const std::vector<Thing> &things, const std::vector<double> &x)
     }
 }
 
+// Whether the arguments are some that the head of this file has; n_starts is set where it is given.
+bool understood(const std::vector<std::string> &arguments, unsigned &n_starts) {
+    const std::string first = arguments.empty() ? "" : arguments[0];
+    if (first == "--starts") {
+        const std::string number = arguments.size() == 2 ? arguments[1] : "";
+        const bool counts = !number.empty() && number.size() <= 6 && number.find_first_not_of("0123456789") == std::string::npos;
+        n_starts = counts ? static_cast<unsigned>(std::stoul(number)) : 0;
+        return n_starts > 0;
+    }
+    return arguments.size() <= 1 && (first.empty() || first[0] != '-' || first == "--broken-start");
+}
+
 int run(const std::vector<std::string> &arguments) {
     const std::string first = arguments.empty() ? "" : arguments[0];
-    const unsigned n_starts = first == "--starts" && arguments.size() > 1 ? std::stoul(arguments[1]) : 1;
+    unsigned n_starts = 1;
+    if (!understood(arguments, n_starts)) {
+        std::fprintf(stderr, "usage: keepout_layout [PICTURE.obj | --starts NUMBER | --broken-start]\n");
+        return 1;
+    }
     std::printf("Fitting the tank and five bodies ...\n");
     const keepout::Mesh tank_mesh = make_tank();
     const keepout::Field tank = fit(tank_mesh, KO_FEASIBLE_INSIDE, /*margin*/ 0.15);
@@ -283,7 +299,9 @@ int run(const std::vector<std::string> &arguments) {
     if (n_starts > 1) {
         std::printf("\nMeans of %u starts that both solve: exact %.1f iterations, %.2f s; limited-memory %.1f iterations, %.2f s\n", n_solved,
                     iterations[0] / n_solved, seconds[0] / n_solved, iterations[1] / n_solved, seconds[1] / n_solved);
-        return 0;
+        if (n_solved < n_starts)
+            std::printf("%u of %u starts were not solved both ways\n", n_starts - n_solved, n_starts);
+        return n_solved < n_starts ? 1 : 0;
     }
     std::printf("\n");
     print_poses(things, x);

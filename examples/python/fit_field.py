@@ -32,11 +32,19 @@ def torus(ring: float = 1.0, tube: float = 0.35, along: int = 180, around: int =
     return keepout.Mesh.from_triangles(vertices, triangles)
 
 
-def show(fraction: float, stage: str) -> None:
-    """A bar on a terminal."""
-    if sys.stderr.isatty():
-        end = "\n" if fraction == 1 else ""
-        print(f"\r[{'#' * int(40 * fraction):40}] {fraction:4.0%} {stage:12.12}", end=end, file=sys.stderr, flush=True)
+class Show:
+    """A bar on a terminal, elsewhere a line for each stage."""
+
+    def __init__(self) -> None:
+        self.stage = ""
+
+    def __call__(self, fraction: float, stage: str) -> None:
+        if sys.stderr.isatty():
+            end = "\n" if fraction == 1 else ""
+            print(f"\r[{'#' * int(40 * fraction):40}] {fraction:4.0%} {stage:12.12}", end=end, file=sys.stderr, flush=True)
+        elif stage != self.stage:
+            print(f"{fraction:4.0%} {stage}", file=sys.stderr, flush=True)
+        self.stage = stage
 
 
 def differ(field: keepout.Field, points: keepout.Array, gradients: keepout.Array) -> float:
@@ -52,7 +60,7 @@ def work(mesh: keepout.Mesh, n_points: int) -> None:
     if mesh.report().inside_out:
         mesh.flip()
     with mesh.sample(n_points, seed=1) as cloud:
-        field = keepout.Field.fit(cloud, progress=show)
+        field = keepout.Field.fit(cloud, progress=Show())
     report = field.report()
     control_points = " x ".join(str(n) for n in report.control_points[: field.dim])
     print(f"\n{report.n_points} points, dimension {field.dim}, {control_points} control points, {report.seconds_solve:.2f} s")
@@ -70,7 +78,10 @@ def work(mesh: keepout.Mesh, n_points: int) -> None:
     ):
         place = "".join(f"{x:9.3f}" for x in point)
         print(f"{place} {phi:9.4f} {distance:9.4f} {length:7.3f} {trace:9.3f}  {'outside' if outside else 'in'}")
-    print(f"gradients differ from central differences by at most {differ(field, points, gradients):.1e}")
+    difference = differ(field, points, gradients)
+    print(f"gradients differ from central differences by at most {difference:.1e}")
+    if not difference <= 1e-5:
+        sys.exit("fit_field.py: the gradients are wrong: 1e-5 is allowed")
 
 
 def main() -> None:
