@@ -17,6 +17,17 @@ static_assert(std::is_convertible_v<std::vector<double>, keepout::Span<const dou
 static_assert(std::is_convertible_v<std::vector<double> &, keepout::Span<double>>);
 static_assert(std::is_convertible_v<keepout::Span<double>, keepout::Span<const double>>);
 static_assert(!std::is_convertible_v<std::vector<double>, keepout::Span<double>>, "results would go with the temporary");
+static_assert(!std::is_convertible_v<std::array<double, 3>, keepout::Span<double>>, "they would here too");
+static_assert(!std::is_convertible_v<double (&&)[3], keepout::Span<double>>, "and here");
+static_assert(std::is_convertible_v<std::array<double, 3>, keepout::Span<const double>>);
+static_assert(std::is_convertible_v<std::array<double, 3> &, keepout::Span<double>>);
+
+/// As std::span is: a temporary one may be written through, since it holds no numbers.
+struct View {
+    double *data() const { return nullptr; }
+    std::size_t size() const { return 0; }
+};
+static_assert(std::is_convertible_v<View, keepout::Span<double>>);
 
 static_assert(std::is_same_v<decltype(std::declval<const keepout::Mesh &>().get()), const ko_mesh *>);
 static_assert(std::is_same_v<decltype(std::declval<const keepout::Cloud &>().get()), const ko_cloud *>);
@@ -553,6 +564,10 @@ static void versions_are_told() {
 static void errors_are_exceptions() {
     THROWS(keepout::Mesh::read("no-such-file.obj"), KO_ERR_IO, "no-such-file.obj");
     THROWS(keepout::Field::load("no-such-file.kof"), KO_ERR_IO, "no-such-file.kof");
+    const std::string cut("a\0b.obj", 7);
+    THROWS(keepout::Mesh::read(cut), KO_ERR_INVALID_ARGUMENT, "'a' goes on behind a zero byte");
+    THROWS(keepout::Field::load(cut), KO_ERR_INVALID_ARGUMENT, "zero byte");
+    THROWS(cube().write(cut), KO_ERR_INVALID_ARGUMENT, "zero byte");
     THROWS(keepout::Mesh::from_triangles(std::vector<double>(7), check_cube_triangles), KO_ERR_INVALID_ARGUMENT,
            "vertices has 7 numbers");
     THROWS(keepout::Cloud::from_points(std::vector<double>(6), std::vector<double>(3)), KO_ERR_INVALID_ARGUMENT,

@@ -47,11 +47,13 @@ public:
     constexpr Span() noexcept = default;
     constexpr Span(T *data, std::size_t size) noexcept : data_(data), size_(size) {}
 
-    /// Of anything with contiguous T: std::vector, std::array, an array. A temporary vector is taken to be read, not to be written to.
+    /// Of anything with contiguous T: std::vector, std::array, an array. A temporary that holds its numbers is taken to be read, not to be
+    /// written to; one that only views them, as its constness does not reach them, for both.
     template <class C, class = std::enable_if_t<
                            std::is_convertible_v<decltype(std::data(std::declval<C &>())), T *> &&
                            !std::is_same_v<std::remove_cv_t<std::remove_reference_t<C>>, Span> &&
-                           (std::is_lvalue_reference_v<C> || std::is_const_v<T> || std::is_trivially_copyable_v<C>)>>
+                           (std::is_lvalue_reference_v<C> || std::is_const_v<T> ||
+                            std::is_convertible_v<decltype(std::data(std::declval<const C &>())), T *>)>>
     constexpr Span(C &&array) noexcept : data_(std::data(array)), size_(std::size(array)) {}
 
     constexpr T *data() const noexcept { return data_; }
@@ -72,6 +74,14 @@ inline void check(std::int32_t status) {
 }
 
 [[noreturn]] inline void wrong(const std::string &message) { throw Error(KO_ERR_INVALID_ARGUMENT, message); }
+
+/// `path` as C takes it, which would end it at a zero byte, and take another file.
+inline const char *c_path(const std::string &path) {
+    if (path.find('\0') != path.npos) {
+        wrong("the path '" + std::string(path.c_str()) + "' goes on behind a zero byte");
+    }
+    return path.c_str();
+}
 
 /// Entries of `size` numbers, `width` each.
 inline std::size_t count(const char *name, std::size_t size, std::size_t width) {
@@ -391,12 +401,12 @@ public:
     /// From an OBJ, STL, PLY or OFF file.
     static Mesh read(const std::string &path) {
         ko_mesh *handle = nullptr;
-        detail::check(ko_mesh_read(path.c_str(), &handle));
+        detail::check(ko_mesh_read(detail::c_path(path), &handle));
         return Mesh(handle);
     }
 
     /// To the file `path`, whose ending names the format: .obj, .off, .ply or .stl.
-    void write(const std::string &path) const { detail::check(ko_mesh_write(get(), path.c_str())); }
+    void write(const std::string &path) const { detail::check(ko_mesh_write(get(), detail::c_path(path))); }
 
     /// From vertices [3 * n_vertices] and triangles [3 * n_triangles], counter-clockwise seen from outside.
     static Mesh from_triangles(Span<const double> vertices, Span<const std::uint32_t> triangles) {
@@ -563,14 +573,14 @@ public:
 
     static Field load(const std::string &path) {
         ko_field *handle = nullptr;
-        detail::check(ko_field_load(path.c_str(), &handle));
+        detail::check(ko_field_load(detail::c_path(path), &handle));
         return Field(handle);
     }
 
     /// 3 in space, 2 in the plane.
     std::uint32_t dim() const noexcept { return dim_; }
 
-    void save(const std::string &path) const { detail::check(ko_field_save(get(), path.c_str())); }
+    void save(const std::string &path) const { detail::check(ko_field_save(get(), detail::c_path(path))); }
 
     ko_fit_report report() const {
         ko_fit_report report;
