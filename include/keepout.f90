@@ -984,8 +984,9 @@ module keepout_c
 end module
 
 ! Handles. A keepout_mesh, _cloud, _field, _body, _constraints or _explicit is filled by a call on it (`call field%fit(cloud)`), which
-!   frees what it held, and is freed by free() or when it goes out of scope. It has one owner: assigning one ends the program;
-!   move_alloc moves one that is allocatable.
+!   frees what it held, and is freed by free() or when it goes out of scope. It has one owner: assigning one ends the program.
+!   Fortran copies past that assignment in `allocate (c, source=mesh)` and in structure constructors, holder(mesh): never do either, both
+!   would free what there is once. To move a handle make it allocatable and call move_alloc.
 ! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX,
 !   KO_BUDGET_REACHED) or one of KO_ERR_..., errmsg is set on failure. A call that fails without stat ends the program with its message.
 ! Threads. As in C: calls that take their handle as intent(in) may be made at once from any number of threads.
@@ -994,7 +995,7 @@ module keepout
   use, intrinsic :: iso_fortran_env, only: error_unit
   implicit none
 
-  private :: error_unit
+  private :: error_unit, has_room, is_path
 
   ! Whether polylines go back to their first points.
   integer, parameter :: KEEPOUT_OPEN = 0
@@ -1304,6 +1305,7 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
+    if (.not. is_path(path, stat, errmsg)) return
     status = ko_mesh_read(to_c(path), handle)
     if (status >= KO_OK) call mesh_adopt(self, handle)
     call settle(status, stat, errmsg)
@@ -1315,6 +1317,7 @@ contains
     character(len=*), intent(in) :: path
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
+    if (.not. is_path(path, stat, errmsg)) return
     call settle(ko_mesh_write(self%handle, to_c(path)), stat, errmsg)
   end subroutine
 
@@ -1386,7 +1389,9 @@ contains
     integer(c_int32_t), allocatable, target, intent(out) :: triangles(:, :)
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
-    allocate (vertices(self%width, self%vertices), triangles(self%width, self%triangles))
+    integer :: failed
+    allocate (vertices(self%width, self%vertices), triangles(self%width, self%triangles), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     call settle(ko_mesh_copy(self%handle, self%vertices, self%triangles, c_loc(vertices), c_loc(triangles)), stat, errmsg)
   end subroutine
 
@@ -1401,10 +1406,12 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     integer(c_size_t) :: n_points, n_loops
     integer(c_int32_t) :: status
+    integer :: failed
     n_points = 0
     n_loops = 0
     status = ko_mesh_get_polylines_size(self%handle, n_points, n_loops)
-    allocate (points(2, n_points), loop_starts(n_loops), closed(n_loops))
+    allocate (points(2, n_points), loop_starts(n_loops), closed(n_loops), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     if (status >= KO_OK) status = ko_mesh_copy_polylines(self%handle, n_points, n_loops, c_loc(points), c_loc(loop_starts), &
       c_loc(closed))
     call settle(status, stat, errmsg)
@@ -1465,9 +1472,11 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     integer(c_size_t) :: n_components
     integer(c_int32_t) :: status
+    integer :: failed
     n_components = 0
     status = ko_mesh_get_component_count(self%handle, n_components)
-    allocate (points(self%width, n_components))
+    allocate (points(self%width, n_components), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     if (status >= KO_OK) status = ko_mesh_copy_component_points(self%handle, n_components, points)
     call settle(status, stat, errmsg)
   end subroutine
@@ -1516,13 +1525,15 @@ contains
     type(c_ptr) :: handle, to(2)
     integer(c_size_t) :: report_size
     integer(c_int32_t) :: status
+    integer :: failed
     plain = keepout_normal_options()
     if (present(options)) plain = options
     if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
     to = c_null_ptr
     report_size = 0
     if (present(flags)) then
-      allocate (flags(size(points, 2)))
+      allocate (flags(size(points, 2)), stat=failed)
+      if (.not. has_room(failed, stat, errmsg)) return
       to(1) = c_loc(flags)
     end if
     if (present(report)) then
@@ -1561,7 +1572,9 @@ contains
     real(c_double), allocatable, target, intent(out) :: normals(:, :)
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
-    allocate (points(self%width, self%points), normals(self%width, self%points))
+    integer :: failed
+    allocate (points(self%width, self%points), normals(self%width, self%points), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     call settle(ko_cloud_copy(self%handle, self%points, c_loc(points), c_loc(normals)), stat, errmsg)
   end subroutine
 
@@ -1572,7 +1585,9 @@ contains
     real(c_double), allocatable, target, intent(out) :: barycentric(:, :)
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
-    allocate (triangles(self%points), barycentric(self%width, self%points))
+    integer :: failed
+    allocate (triangles(self%points), barycentric(self%width, self%points), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     call settle(ko_cloud_copy_origins(self%handle, self%points, c_loc(triangles), c_loc(barycentric)), stat, errmsg)
   end subroutine
 
@@ -1724,6 +1739,7 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     type(c_ptr) :: handle
     integer(c_int32_t) :: status
+    if (.not. is_path(path, stat, errmsg)) return
     status = ko_field_load(to_c(path), handle)
     if (status >= KO_OK) call field_adopt(self, handle)
     call settle(status, stat, errmsg)
@@ -1735,6 +1751,7 @@ contains
     character(len=*), intent(in) :: path
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
+    if (.not. is_path(path, stat, errmsg)) return
     call settle(ko_field_save(self%handle, to_c(path)), stat, errmsg)
   end subroutine
 
@@ -1768,9 +1785,11 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     type(ko_fit_report) :: report
     integer(c_int32_t) :: status
+    integer :: failed
     status = ko_field_get_report(self%handle, c_sizeof(report), report)
     if (status < KO_OK) report%n_unknowns = 0
-    allocate (control_points(report%n_unknowns))
+    allocate (control_points(report%n_unknowns), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     if (status >= KO_OK) status = ko_field_copy_control_points(self%handle, size(control_points, 1, c_size_t), control_points)
     call settle(status, stat, errmsg)
   end subroutine
@@ -1998,7 +2017,9 @@ contains
     real(c_double), allocatable, intent(out) :: points(:, :)
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
-    allocate (points(self%width, self%points))
+    integer :: failed
+    allocate (points(self%width, self%points), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     call settle(ko_body_copy_points(self%handle, self%points, points), stat, errmsg)
   end subroutine
 
@@ -2163,9 +2184,11 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     integer(c_size_t) :: n, others(3)
     integer(c_int32_t) :: status
+    integer :: failed
     n = 0
     status = ko_constraints_get_size(self%handle, others(1), others(2), n, others(3))
-    allocate (rows(n), columns(n))
+    allocate (rows(n), columns(n), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     if (status >= KO_OK) status = ko_constraints_jacobian_pattern(self%handle, n, rows, columns)
     call settle(status, stat, errmsg)
   end subroutine
@@ -2236,9 +2259,11 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     integer(c_size_t) :: n, others(3)
     integer(c_int32_t) :: status
+    integer :: failed
     n = 0
     status = ko_constraints_get_size(self%handle, others(1), others(2), others(3), n)
-    allocate (rows(n), columns(n))
+    allocate (rows(n), columns(n), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
     if (status >= KO_OK) status = ko_constraints_hessian_pattern(self%handle, n, rows, columns)
     call settle(status, stat, errmsg)
   end subroutine
@@ -2433,7 +2458,8 @@ contains
     call self%free()
   end subroutine
 
-  ! A copy would be freed twice. Two that hold nothing are equal already.
+  ! A copy would be freed twice. Two that hold nothing are equal already. `allocate (c, source=mesh)` and structure constructors copy without
+  ! a call of this, which no code here can prevent; move_alloc moves a handle that is allocatable.
   subroutine mesh_assign(left, right)
     class(keepout_mesh), intent(inout) :: left
     class(keepout_mesh), intent(in) :: right
@@ -2482,6 +2508,15 @@ contains
     do i = 1, size(characters)
       copied(i:i) = characters(i)
     end do
+  end function
+
+  ! C would end a path at a zero byte, and take another file.
+  logical function is_path(path, stat, errmsg)
+    character(len=*), intent(in) :: path
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    is_path = index(path, c_null_char) == 0
+    if (.not. is_path) call refuse("the path has a zero byte in it", stat, errmsg)
   end function
 
   pure function to_c(text) result(ended)
@@ -2543,6 +2578,15 @@ contains
     write (message, "(2a, i0, a, i0, a, i0, a, i0, a)") name, " has the shape (", found(1), ", ", found(2), "); (", right(1), &
       ", ", right(2), ") is needed"
     call refuse(trim(message), stat, errmsg)
+  end function
+
+  ! Whether an allocation whose stat is `failed` got its memory.
+  logical function has_room(failed, stat, errmsg)
+    integer, intent(in) :: failed
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    has_room = failed == 0
+    if (.not. has_room) call conclude(KO_ERR_OUT_OF_MEMORY, "there is no memory for the arrays to copy to", stat, errmsg)
   end function
 
   subroutine refuse(message, stat, errmsg)
