@@ -26,4 +26,6 @@ install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCH
 install(FILES "${keepout_staging}/keepout-config.cmake" "${keepout_staging}/keepout-config-version.cmake"
         cmake/keepout-targets.cmake DESTINATION "${keepout_package_dir}")
 install(FILES "${keepout_staging}/keepout.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+# The Python module, which looks for the library from there.
+install(FILES examples/python/keepout.py DESTINATION "${CMAKE_INSTALL_DATADIR}/keepout/python")
 install(FILES LICENSE-APACHE LICENSE-MIT DESTINATION "${CMAKE_INSTALL_DOCDIR}")

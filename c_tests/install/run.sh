@@ -22,7 +22,8 @@ mv "$room/first" "$room/prefix"
 prefix=$room/prefix
 lib=$(dirname "$(find "$prefix" -name 'libkeepout.so.*.*.*' -not -path '*/.debug/*')")
 for file in "$lib/libkeepout.so.$version" "$lib/libkeepout.so" "$lib/libkeepout.a" "$lib/.debug/libkeepout.so.$version.debug" \
-    "$prefix/include/keepout.h" "$prefix/include/keepout.hpp" "$prefix/include/keepout.f90"; do
+    "$prefix/include/keepout.h" "$prefix/include/keepout.hpp" "$prefix/include/keepout.f90" \
+    "$prefix/share/keepout/python/keepout.py"; do
     [[ -e $file ]] || { echo "not installed: $file"; exit 1; }
 done
 # No folder of this machine is written into what is installed.
@@ -32,12 +33,15 @@ if grep -rIlF -e "$build" -e "$root" -e "$room" "$prefix"; then
 fi
 
 step "find_package"
-quietly cmake -S "$here" -B "$room/found" -DCMAKE_PREFIX_PATH="$prefix"
+quietly cmake -S "$here" -B "$room/found" -DCMAKE_PREFIX_PATH="$prefix" -DKEEPOUT_WANTED="${version%.*}"
 quietly cmake --build "$room/found"
 quietly ctest --test-dir "$room/found" --output-on-failure --no-tests=error
 
 step "find_package refuses other minor versions"
-for wanted in 0.1 0.3 1.0; do
+IFS=. read -r major minor _ <<<"$version"
+others=("$major.$((minor + 1))" "$((major + 1)).0")
+((minor == 0)) || others+=("$major.$((minor - 1))")
+for wanted in "${others[@]}"; do
     if cmake -S "$here" -B "$room/refused-$wanted" -DCMAKE_PREFIX_PATH="$prefix" -DKEEPOUT_WANTED=$wanted >"$room/log" 2>&1; then
         echo "find_package(keepout $wanted) took version $version"
         exit 1
@@ -60,6 +64,16 @@ fi
 read -ra static_flags <<<"$(pkg-config --cflags --static --libs keepout)"
 cc "$here/user.c" "${static_flags[@]/-lkeepout/-l:libkeepout.a}" -o "$room/user_static"
 "$room/user_static"
+
+step "Python"
+source "$root/cmake/install_missing.sh"
+if find_numpy; then
+    # The installed module finds the library that was installed with it.
+    [[ $(cd "$room" && unset KEEPOUT_LIBRARY && PYTHONPATH=$prefix/share/keepout/python PYTHONDONTWRITEBYTECODE=1 \
+        "$python" -c 'import keepout; print(keepout._library._name, keepout.version())') == "$(realpath "$lib")/libkeepout.so."*" $version" ]]
+else
+    echo "   SKIPPED: there is no Python with NumPy"
+fi
 
 step "add_subdirectory"
 quietly cmake -S "$here" -B "$room/sub" -DKEEPOUT_SOURCE="$root" -DKEEPOUT_CARGO_TARGET_DIR="$cargo_target"

@@ -4,8 +4,9 @@
     field = keepout.Field.fit(keepout.Mesh.read("part.stl").sample(25000, seed=1))
     values, gradients = field.eval(points, derivatives=1)
 
-Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous, aligned float64 is handed over as it is, all else
-is copied first; complex numbers and masked entries are refused. eval_into writes to arrays of the caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
+Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous, aligned float64 is handed over as it is, all
+else is copied first; complex numbers and masked entries are refused. eval_into, values_into and their like write to arrays of the
+caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
 Handles. Mesh, Cloud, Field, Body, Constraints and Explicit free what they hold with the last reference to them, at the end of a
 `with` block, or by close().
 Errors. A call that fails raises Error, with the library's message and its status.
