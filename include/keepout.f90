@@ -2458,8 +2458,8 @@ contains
     call self%free()
   end subroutine
 
-  ! A copy would be freed twice. Two that hold nothing are equal already. `allocate (c, source=mesh)` and structure constructors copy without
-  ! a call of this, which no code here can prevent; move_alloc moves a handle that is allocatable.
+  ! A copy would be freed twice. Two that hold nothing are equal already. `allocate (c, source=mesh)` and structure constructors copy
+  ! without a call of this, which no code here can prevent; move_alloc moves a handle that is allocatable.
   subroutine mesh_assign(left, right)
     class(keepout_mesh), intent(inout) :: left
     class(keepout_mesh), intent(in) :: right
