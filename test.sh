@@ -6,6 +6,10 @@
 #   CMAKE_BUILD_PARALLEL_LEVEL, CARGO_BUILD_JOBS   jobs at once, all cores otherwise
 set -euo pipefail
 
+# Folders are told from where this was called.
+for name in KEEPOUT_DATA CARGO_TARGET_DIR; do
+    [[ -z ${!name:-} ]] || export "$name=$(realpath -m -- "${!name}")"
+done
 cd "$(dirname "${BASH_SOURCE[0]}")"
 root=$PWD
 target=${CARGO_TARGET_DIR:-$root/target}
@@ -75,32 +79,35 @@ tests_named() {
 # The programs of C and Fortran once more under valgrind: no wrong access, no leak. It replaces the allocator, so allocations.c has nothing to
 # count. As many at once as there are cores, those that take minutes first.
 under_valgrind() (
-    room=$(mktemp -d)
+    room=$(mktemp -d) || exit 1
     trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$room"' EXIT
     programs=(fortran errors_later refined certify threads lifecycle plane level_sets normals clouds refits constraints constraints_errors
         formulations errors golden)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
-    running=()
+    running=() names=()
+    # Waits for the one that was started first, and shows what it wrote.
+    finish() {
+        local passed=1
+        wait "${running[0]}" || passed=0
+        echo "${names[0]}"
+        cat "$room/${names[0]}.log"
+        ((passed)) || { echo "${names[0]} failed under valgrind"; exit 1; }
+        running=("${running[@]:1}") names=("${names[@]:1}")
+    }
     for program in "${programs[@]}"; do
-        if ((${#running[@]} >= $(nproc))); then
-            wait "${running[0]}" || exit 1
-            running=("${running[@]:1}")
-        fi
-        echo "$program"
+        ((${#running[@]} < $(nproc))) || finish
         arguments=()
         [[ $program == golden ]] && arguments=("$root/c_tests/golden")
         [[ $program == certify ]] && arguments=(quick)
         [[ $program == bad_data ]] && arguments=("$(realpath "$data")")
-        mkdir "$room/$program"
+        mkdir "$room/$program" || exit 1
         (cd "$room/$program" && exec valgrind --quiet --error-exitcode=1 --leak-check=full \
             --show-leak-kinds=definite,indirect,possible --errors-for-leak-kinds=definite,indirect,possible \
-            --suppressions="$root/c_tests/valgrind.supp" "$build/c_tests/$program" "${arguments[@]}") &
-        running+=($!)
+            --suppressions="$root/c_tests/valgrind.supp" "$build/c_tests/$program" "${arguments[@]}") >"$room/$program.log" 2>&1 &
+        running+=($!) names+=("$program")
     done
-    for program in "${running[@]}"; do
-        wait "$program" || exit 1
-    done
+    while ((${#running[@]})); do finish; done
 )
 
 stage "packages" packages

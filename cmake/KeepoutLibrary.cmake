@@ -1,6 +1,7 @@
 # The library by cargo, laid out under lib/ of the build tree as it will be installed, and the targets that stand for it there.
 
-find_program(CARGO cargo HINTS "$ENV{CARGO_HOME}/bin" "$ENV{HOME}/.cargo/bin" REQUIRED)
+# The PATH's comes before the one that rustup put where the PATH may not lead.
+find_program(CARGO cargo PATHS "$ENV{CARGO_HOME}/bin" "$ENV{HOME}/.cargo/bin" REQUIRED)
 mark_as_advanced(CARGO)
 
 set(keepout_lib_dir "${PROJECT_BINARY_DIR}/lib")

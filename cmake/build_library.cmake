@@ -8,7 +8,7 @@ function(run)
 endfunction()
 
 # What is shipped names no folder of the machine that built it: not the sources, nor those of dependencies and the standard library.
-find_program(RUSTC rustc HINTS "$ENV{CARGO_HOME}/bin" "$ENV{HOME}/.cargo/bin" REQUIRED)
+find_program(RUSTC rustc PATHS "$ENV{CARGO_HOME}/bin" "$ENV{HOME}/.cargo/bin" REQUIRED)
 execute_process(COMMAND "${RUSTC}" --print sysroot WORKING_DIRECTORY "${SOURCE_DIR}" OUTPUT_VARIABLE sysroot
                 OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 set(cargo_home "$ENV{CARGO_HOME}")
@@ -29,7 +29,9 @@ endforeach()
 list(APPEND flags "--remap-path-prefix=${sysroot}/lib/rustlib/src/rust=rust" "--remap-path-prefix=${SOURCE_DIR}=keepout"
      "--remap-path-prefix=${TARGET_DIR}=target")
 string(ASCII 31 separator)
-string(REPLACE " " "${separator}" own_flags "$ENV{RUSTFLAGS}")
+# As cargo parts them: at blanks, any number of them, and at nothing else.
+string(STRIP "$ENV{RUSTFLAGS}" own_flags)
+string(REGEX REPLACE " +" "${separator}" own_flags "${own_flags}")
 string(REPLACE ";" "${separator}" flags "${flags}")
 if(own_flags)
   string(PREPEND flags "${own_flags}${separator}")

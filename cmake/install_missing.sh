@@ -4,7 +4,7 @@ missing=()
 # Finds cargo, also where rustup put it and this shell was not told, new enough, with the COMPONENT... `fmt` or `clippy` where they are
 # named; Debian's own is too old, so nothing is installed.
 need_rust() {
-  command -v cargo >/dev/null || PATH=${CARGO_HOME:-$HOME/.cargo}/bin:$PATH
+  command -v cargo >/dev/null || PATH=${CARGO_HOME:-${HOME:-}/.cargo}/bin:$PATH
   if ! command -v cargo >/dev/null; then
     echo "there is no Rust toolchain here: install one as https://rustup.rs says, and run this again" >&2
     return 1
@@ -56,9 +56,16 @@ install_missing() {
     echo "please install: ${missing[*]} (Debian's names; there is no apt-get here)" >&2
     return 1
   fi
-  echo "installing ${missing[*]}" >&2
   local as_root=()
-  [ "$(id -u)" -eq 0 ] || as_root=(sudo)
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "please run as root, as there is no sudo here:" >&2
+      echo "apt-get update && apt-get install -y --no-install-recommends ${missing[*]}" >&2
+      return 1
+    fi
+    as_root=(sudo)
+  fi
+  echo "installing ${missing[*]}" >&2
   # Callers may stand in an `if`, where `set -e` is off.
   twice "${as_root[@]}" apt-get update -qq >&2 &&
     twice "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >&2 ||
