@@ -1,5 +1,6 @@
 //! The bindings of other languages follow `include/keepout.h`: `keepout.hpp` and the Python module call every function with as many
-//! arguments as it has, `keepout.f90` and the Python module declare them, the structs and the constants with the same types.
+//! arguments as it has, `keepout.f90` and the Python module declare them, the structs and the constants with the same types, and use each
+//! function for more than to declare it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -47,6 +48,16 @@ fn up_to_closing(text: &str) -> &str {
 
 fn is_name(c: char) -> bool {
     c.is_ascii_alphanumeric() || c == '_'
+}
+
+/// How often `name` is in `text`, as a whole word.
+fn count(name: &str, text: &str) -> usize {
+    text.split(|c| !is_name(c)).filter(|word| *word == name).count()
+}
+
+/// `text` without what is behind `mark` in each line.
+fn without_comments(text: &str, mark: &str) -> String {
+    text.lines().map(|line| line.split(mark).next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
 // ---- C, the original
@@ -230,11 +241,23 @@ fn fortran_has_every_constant() {
     }
 }
 
+/// What the calls of C are declared for. Those without arguments and texts are called as they are.
+#[test]
+fn fortran_uses_every_function() {
+    let text = read("include/keepout.f90");
+    let (_, text) = text.split_once("\nend module").expect("keepout.f90 has a module behind keepout_c");
+    let text = without_comments(text, "!").to_lowercase();
+    for (name, function) in c_functions() {
+        let is_plain = function.arguments.is_empty() && !function.returns.contains('*');
+        assert!(is_plain || count(&name, &text) > 0, "the module keepout of keepout.f90 does not use {name}");
+    }
+}
+
 // ---- C++
 
 #[test]
 fn cpp_calls_every_function() {
-    let text = read("include/keepout.hpp");
+    let text = without_comments(&read("include/keepout.hpp"), "//");
     for (name, function) in c_functions() {
         let start = format!("{name}(");
         let calls = text.match_indices(&start).map(|(i, _)| up_to_closing(&text[i + start.len()..]));
@@ -309,6 +332,16 @@ fn python_has_every_function() {
 }
 
 #[test]
+fn python_uses_every_function() {
+    let text = without_comments(&python(), "#");
+    for name in c_functions().keys() {
+        let bound = name.trim_start_matches("ko");
+        assert_eq!(text.matches(&format!("\n{bound} = _bind(")).count(), 1, "keepout.py does not call {name} {bound}");
+        assert!(count(bound, &text) > 1, "keepout.py binds {name} and does not use it");
+    }
+}
+
+#[test]
 fn python_has_every_struct() {
     let text = python();
     for (name, fields) in c_structs() {
@@ -327,26 +360,49 @@ fn python_has_every_struct() {
     }
 }
 
+/// The class of keepout.py that has a constant, and its name there; no class for what the module has itself.
+fn python_constant(name: &str) -> (Option<&'static str>, String) {
+    let prefixes = [
+        ("ERR_", "Status"),
+        ("CAPABILITY_", "Capability"),
+        ("POINT_", "Point"),
+        ("FEASIBLE_", "Feasible"),
+        ("REWEIGHT_", "Reweight"),
+        ("AGGREGATE_", "Aggregate"),
+        ("ROTATION_", "Rotation"),
+        ("SCALE_", "Scale"),
+        ("EXPLICIT_", "Formulation"),
+    ];
+    let short = name.trim_start_matches("KO_").replace("CAPABILITY_3D", "CAPABILITY_SPACE");
+    let short = short.replace("CAPABILITY_2D", "CAPABILITY_PLANE");
+    let of = prefixes.iter().find_map(|(prefix, class)| Some((Some(*class), short.strip_prefix(prefix)?.to_owned())));
+    of.unwrap_or_else(|| {
+        let class = match short.as_str() {
+            "WORLD" | "ABI_VERSION" => None,
+            "BELOW" | "ABOVE" => Some("Side"),
+            "LEAST" | "LARGEST" => Some("Extreme"),
+            _ => Some("Status"),
+        };
+        (class, short)
+    })
+}
+
 #[test]
 fn python_has_every_constant() {
     let text = python();
     for (name, value) in c_constants() {
-        // Enumerations carry the first part of the name.
-        let short = name.trim_start_matches("KO_").replace("CAPABILITY_3D", "SPACE").replace("CAPABILITY_2D", "PLANE");
-        let prefixes = [
-            "ERR_",
-            "CAPABILITY_",
-            "FEASIBLE_",
-            "POINT_",
-            "REWEIGHT_",
-            "AGGREGATE_",
-            "ROTATION_",
-            "SCALE_",
-            "EXPLICIT_",
-        ];
-        let short = prefixes.iter().find_map(|prefix| short.strip_prefix(prefix)).unwrap_or(&short);
-        let line = format!("{short} = {value}");
-        assert!(text.lines().any(|found| found.trim() == line), "keepout.py has no `{line}` for {name}");
+        let (class, short) = python_constant(&name);
+        let (place, line) = match class {
+            Some(class) => {
+                let body = between(&text, &format!("\nclass {class}(enum."), "\n\n\n");
+                (
+                    body.unwrap_or_else(|| panic!("keepout.py has no enumeration {class}")),
+                    format!("    {short} = {value}"),
+                )
+            }
+            None => (text.as_str(), format!("{short} = {value}")),
+        };
+        assert!(place.lines().any(|found| found == line), "keepout.py has no `{line}` for {name} in {class:?}");
     }
 }
 
