@@ -354,7 +354,8 @@ fn a_search_for_blocks_is_told_of_and_stopped() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    // PROPTEST_CASES counts against its default.
+    #![proptest_config(ProptestConfig { cases: 48 * ProptestConfig::default().cases / 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn random_level_sets_in_space_are_manifolds(

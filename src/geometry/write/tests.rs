@@ -91,7 +91,8 @@ fn curves_are_lines_in_the_plane() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    // PROPTEST_CASES counts against its default.
+    #![proptest_config(ProptestConfig { cases: 64 * ProptestConfig::default().cases / 256, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_finite_coordinate_survives(numbers in prop::collection::vec(any::<f64>(), 9..60)) {
