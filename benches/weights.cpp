@@ -142,8 +142,7 @@ void all(const Data &data) {
                 "held-out points, and of phi at 40,000 points +-0.01 D off it, in units of D; wrong signs are of 20,000 points in the box, "
                 "those farther\n"
                 "than one cell from the surface. The last row has the paper's weights, taken as dimensionless.\n\n"
-                "The defaults are the most accurate whose signs are all right and that keep the mean of |grad phi| on the bunny within "
-                "0.02 of 1.\n",
+                "The defaults are of those whose signs are all right on every shape; some of these are a little more accurate.\n",
                 ko_version());
     for (const auto &from : shapes) {
         const Shape shape = shape_of(from.name, data(from.path), from.grid);
