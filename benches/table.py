@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0 OR MIT
 """Writes the tables of README.md and docs/scale.md from what `benches/run scale` printed, each between two marker lines.
 
-table.py PROJECT OUTPUT...   of the project in that folder; later outputs win; `benches/run table` calls this
-table.py --check PROJECT     whether its tables have the form that this writes, whatever their numbers
+table.py PROJECT OUTPUT...   of the project in that folder; later outputs win, and all are kept in docs/scale.txt; `benches/run table` calls this
+table.py --check PROJECT     whether its tables are those of docs/scale.txt; where there is none, whether they have the form that this writes
 A figure that is missing, or no number, ends it with a message; both documents then stay as they were.
 """
 
+import itertools
 import math
 import os
 import re
@@ -313,6 +314,10 @@ DOCUMENTS = {
 }
 
 
+# The lines of the bench that they were written from.
+KEPT = os.path.join("docs", "scale.txt")
+
+
 def read(path):
     with open(path, encoding="utf-8") as file:
         return file.read()
@@ -336,11 +341,14 @@ def write(project, of):
         for name, table in tables.items():
             before, _, behind = parted(texts[path], path, name)
             texts[path] = "\n".join([*before, "", *table(of), "", *behind])
+    kept = os.path.join(project, KEPT)
+    texts[kept] = "".join(f"{key} = {text}\n" for key, text in of.texts.items())
     for path, text in texts.items():
         new = path + ".new"  # whole or not at all
         with open(new, "w", encoding="utf-8") as file:
             file.write(text)
-        shutil.copymode(path, new)
+        if os.path.exists(path):
+            shutil.copymode(path, new)
         os.replace(new, path)
 
 
@@ -352,10 +360,18 @@ def form(lines):
 
 
 def check(project):
+    kept = os.path.join(project, KEPT)
+    of = Output([kept]) if os.path.exists(kept) else None
     for document, tables in DOCUMENTS.items():
         path = os.path.join(project, document)
         for name, table in tables.items():
-            expected, found = form(table(Ones())), form(parted(read(path), path, name)[1])
+            block = parted(read(path), path, name)[1]
+            if of:
+                for line, wanted in itertools.zip_longest(block, ["", *table(of), ""]):
+                    if line != wanted:
+                        raise Refused(f"{path} has\n  {line}\nwhere {KEPT} gives\n  {wanted}\nin its table of {name}: run benches/run table")
+                continue
+            expected, found = form(table(Ones())), form(block)
             for line, wanted in zip(found, expected):
                 if line != wanted:
                     raise Refused(

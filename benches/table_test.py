@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0 OR MIT
-"""Tests table.py, and that the tables of the documents have the form that it writes."""
+"""Tests table.py, and that the tables of the documents are those that it writes."""
 
 import os
 import re
@@ -67,7 +67,7 @@ class Tables(unittest.TestCase):
         with open(path, "w", encoding="utf-8") as file:
             file.write(text.replace(old, new, 1))
 
-    def test_the_documents_have_the_form(self):
+    def test_the_documents_are_as_written(self):
         table.check(PROJECT)
 
     def test_another_form_is_told(self):
@@ -93,8 +93,25 @@ class Tables(unittest.TestCase):
         self.assertEqual(self.parted(*names[1])[0], before[1][0])
         self.assertEqual(self.parted(*names[-1])[2], before[-1][1])
         self.assertEqual(sorted(os.listdir(self.project)), ["README.md", "docs"])
-        self.assertEqual(os.listdir(os.path.join(self.project, "docs")), ["scale.md"])
+        self.assertEqual(sorted(os.listdir(os.path.join(self.project, "docs"))), ["scale.md", "scale.txt"])
         table.check(self.project)
+
+    def test_another_number_than_that_of_the_output_is_told(self):
+        self.written(fit_1e6_seconds="2.5 s")
+        table.check(self.project)
+        self.change(self.readme, "| **2.5** s |", "| **2.4** s |")
+        self.assertRaisesRegex(table.Refused, r"\*\*2.4\*\* s(.|\n)*\*\*2.5\*\* s", table.check, self.project)
+        self.written(fit_1e6_seconds="2.5 s")
+        self.change(self.scale, "| femur | 1", "| femur | 7")
+        self.assertRaisesRegex(table.Refused, "scale.txt gives", table.check, self.project)
+
+    def test_an_output_that_lacks_a_figure_is_told(self):
+        self.written()
+        kept = os.path.join(self.project, table.KEPT)
+        lines = [line for line in table.read(kept).splitlines(True) if not line.startswith("fit_1e6_seconds")]
+        with open(kept, "w", encoding="utf-8") as file:
+            file.writelines(lines)
+        self.assertRaisesRegex(table.Refused, "there is no fit_1e6_seconds", table.check, self.project)
 
     def test_figures_of_docs_scale_are_those_of_the_output(self):
         key = "accuracy_fandisk_refined_1e-03_"
