@@ -11,9 +11,9 @@
 //! | 2018 | Taylor expansion to the first order | [`Moments::far_field`] |
 //! | 2018 | its use from beta radii on | [`Winding::approximate`] |
 //!
-//! A side is decided by w < 1/2. Where the expansion is not clear of 1/2 by what it may be off, it is refined, and at last replaced by what
-//! the mesh's rim tells ([`Closing`]): behind a flat sheet w comes as near to 1/2 as one likes. Where the rim is longer than the mesh, or
-//! the rough sum not good enough to go with it, all facets are summed.
+//! A side is decided by w < 1/2. Where the expansion is not clear of 1/2 by what it may be off, what the mesh's rim tells goes with it
+//! ([`Closing`]): behind a flat sheet w comes as near to 1/2 as one likes. Where the expansion is not good enough for that it is refined;
+//! where the rim is longer than the mesh, too, and at last all facets are summed.
 //!
 //! **What the expansion is off by.** The solid angle is the integral of n . F(r + d), F(r) = r / R^D = -grad of 1 / R, of -ln R in the plane.
 //! Of the multipole series of 1 / |r + d| the term of degree l is a solid harmonic (d / R)^l P_l / R, of gradient at most l |d|^(l - 1) /
@@ -130,26 +130,28 @@ impl<const D: usize> Winding<D> {
     pub fn side(&self, tree: &Bvh<D>, corners: &[[[f64; D]; D]], q: [f64; D]) -> Side {
         // Of a closed mesh w is an integer: 1/2 more lies between it and the other side.
         let free = if self.is_closed() { 0.5 } else { 0.0 };
-        let mut rough = Rough { w: f64::NAN, error: f64::NAN };
         for beta in PASSES {
-            rough = self.approximate(tree, corners, q, beta);
+            let rough = self.approximate(tree, corners, q, beta);
             if (rough.w - 0.5).abs() + free > rough.error + ROUNDING {
                 return Side::of(rough.w);
             }
+            if let Some(w) = self.by_rim(rough, q) {
+                return Side::of(w);
+            }
         }
-        Side::of(self.by_rim(rough, q).unwrap_or_else(|| Winding::exact(corners, q)))
+        Side::of(Winding::exact(corners, q))
     }
 
     /// w by what closes the mesh, from a rough w; `None` where the rough one leaves a choice, and where the two are not an integer together,
     /// as where rounding blurs a closing facet on whose edge `q` lies.
     fn by_rim(&self, rough: Rough, q: [f64; D]) -> Option<f64> {
         const TOLERANCE: f64 = 0.1;
+        // The next ones that it could be are 1 away.
+        (rough.error + TOLERANCE < 1.0).then_some(())?;
         let closing = self.closing.as_ref()?.fraction(q);
         let together = (rough.w + closing).round();
         let w = together - closing;
-        // The next ones that it could be are 1 away.
-        let is_the_only_one = rough.error + TOLERANCE < 1.0;
-        (is_the_only_one && (w - rough.w).abs() < TOLERANCE).then_some(w)
+        ((w - rough.w).abs() < TOLERANCE).then_some(w)
     }
 
     /// w by the first pass.
