@@ -10,8 +10,7 @@ use crate::isa::{self, Isa};
 /// Points of which the control points are asked for while those before are evaluated, where the field is large.
 const GROUP: usize = 16;
 
-/// The points of a batch of a large field, the first of which has index `first` in it, group by group: while one is evaluated, the control
-/// points of the next are asked for.
+/// The points of a batch of a large field, the first of which has index `first` in it.
 #[inline(always)]
 pub(super) fn by_groups<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     field: &Field<D>,
@@ -20,39 +19,67 @@ pub(super) fn by_groups<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
     mut order: Option<Order>,
     outputs: Outputs<D>,
 ) -> Result<()> {
-    check_points(first, points)?;
     let mut rest = outputs;
-    for points in points.chunks(order::MOST) {
-        let (mut outputs, behind) = rest.split(points.len());
+    for (c, points) in points.chunks(order::MOST).enumerate() {
+        let (outputs, behind) = rest.split(points.len());
         rest = behind;
-        let order = order.as_mut().and_then(|order| order.of(&field.cells, points));
-        let index = |i: usize| order.map_or(i, |order| order[i] as usize);
-        let group = |g: usize| (g * GROUP).min(points.len())..((g + 1) * GROUP).min(points.len());
-        let mut groups = [[[0.0; D]; GROUP]; 2];
-        // What the group after it takes of the batch is asked for too, and the places of the outputs.
-        let gather = |g: usize, to: &mut [[f64; D]; GROUP], outputs: &Outputs<D>| {
-            let places = group(g);
-            to.iter_mut().zip(places.clone()).for_each(|(to, i)| *to = points[index(i)]);
-            prefetch::<I, C, D>(field, control_points, &to[..places.len()]);
-            if order.is_some() {
-                group(g + 1).for_each(|i| prefetch_ends(&points[index(i)]));
-                places.for_each(|i| prefetch_places(outputs, index(i)));
-            }
-        };
-        let mut given = Given::<D>::NOTHING;
-        gather(0, &mut groups[0], &outputs);
-        for g in 0..points.len().div_ceil(GROUP) {
-            let [this, next] = if g % 2 == 0 { [0, 1] } else { [1, 0] };
-            gather(g + 1, &mut groups[next], &outputs);
-            let places = group(g);
-            evaluate::<I, C, D>(
-                field,
-                control_points,
-                &groups[this][..places.len()],
-                given.outputs(&outputs, places.len()),
-            );
-            given.copy(places.map(index), &mut outputs);
+        let batch = (first + c * order::MOST, points);
+        match order.as_mut().and_then(|order| order.of(&field.cells, points)) {
+            Some(order) => in_order::<I, C, D>(field, control_points, batch, order, outputs)?,
+            None => as_they_come::<I, C, D>(field, control_points, batch, outputs)?,
         }
+    }
+    Ok(())
+}
+
+/// Group by group: while one is evaluated, the control points of the next are asked for.
+#[inline(always)]
+fn as_they_come<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
+    field: &Field<D>,
+    control_points: C,
+    (first, points): (usize, &[[f64; D]]),
+    outputs: Outputs<D>,
+) -> Result<()> {
+    let mut rest = outputs;
+    for (g, group) in points.chunks(GROUP).enumerate() {
+        check_points(first + g * GROUP, group)?;
+        let behind = &points[((g + 1) * GROUP).min(points.len())..];
+        prefetch::<I, C, D>(field, control_points, &behind[..GROUP.min(behind.len())]);
+        let (outputs, behind) = rest.split(group.len());
+        rest = behind;
+        evaluate::<I, C, D>(field, control_points, group, outputs);
+    }
+    Ok(())
+}
+
+/// The same in `order`, where the points of the group after the next are asked for too, and the places of the outputs.
+#[inline(always)]
+fn in_order<'a, I: Isa, C: ControlPoints<'a, D>, const D: usize>(
+    field: &Field<D>,
+    control_points: C,
+    (first, points): (usize, &[[f64; D]]),
+    order: &[u32],
+    mut outputs: Outputs<D>,
+) -> Result<()> {
+    check_points(first, points)?;
+    let group = |g: usize| &order[(g * GROUP).min(order.len())..((g + 1) * GROUP).min(order.len())];
+    let gather = |g: usize, to: &mut [[f64; D]; GROUP], outputs: &Outputs<D>| {
+        let places = group(g);
+        to.iter_mut().zip(places).for_each(|(to, &i)| *to = points[i as usize]);
+        prefetch::<I, C, D>(field, control_points, &to[..places.len()]);
+        group(g + 1).iter().for_each(|&i| prefetch_ends(&points[i as usize]));
+        places.iter().for_each(|&i| prefetch_places(outputs, i as usize));
+    };
+    let mut groups = [[[0.0; D]; GROUP]; 2];
+    let mut given = Given::<D>::NOTHING;
+    gather(0, &mut groups[0], &outputs);
+    for g in 0..points.len().div_ceil(GROUP) {
+        let [this, next] = if g % 2 == 0 { [0, 1] } else { [1, 0] };
+        gather(g + 1, &mut groups[next], &outputs);
+        let places = group(g);
+        let room = given.outputs(&outputs, places.len());
+        evaluate::<I, C, D>(field, control_points, &groups[this][..places.len()], room);
+        given.copy(places.iter().map(|&i| i as usize), &mut outputs);
     }
     Ok(())
 }

@@ -38,18 +38,14 @@ impl Order {
     /// The indices of `points`, at most as many as there is room for, in order; `None` where most points lie by those before as they come.
     pub fn of<const D: usize>(&mut self, cells: &Cells<D>, points: &[[f64; D]]) -> Option<&[u32]> {
         let bricks = Bricks::of(cells);
+        (!bricks.follow_each_other(cells, points)).then_some(())?;
         self.before.fill(0);
         self.bricks.clear();
-        let (mut last, mut n_jumps) = ([0; D], 0);
         for p in points {
-            let place = bricks.holding(&cells.coordinates(p));
-            let index = bricks.index(place);
+            let index = bricks.index(bricks.holding(&cells.coordinates(p)));
             self.before[index] += 1;
             self.bricks.push(index as u16);
-            n_jumps += usize::from((0..D).any(|a| place[a].abs_diff(last[a]) > 1));
-            last = place;
         }
-        (4 * n_jumps > points.len()).then_some(())?;
         let mut n = 0;
         for before in &mut self.before {
             (*before, n) = (n, n + *before);
@@ -80,6 +76,16 @@ impl<const D: usize> Bricks<D> {
         };
         let edge = (0..usize::BITS - 1).map(|k| 1 << k).find(few).unwrap_or(usize::MAX);
         Bricks { per_cell: 1.0 / edge as f64, counts: counts_of(edge) }
+    }
+
+    /// Whether of a sample of the points most lie in the brick of the one before or beside it.
+    fn follow_each_other(&self, cells: &Cells<D>, points: &[[f64; D]]) -> bool {
+        const EACH: usize = 32;
+        let jumps = points.chunks_exact(2).step_by(EACH / 2).filter(|pair| {
+            let [a, b] = [0, 1].map(|i| self.holding(&cells.coordinates(&pair[i])));
+            (0..D).any(|axis| a[axis].abs_diff(b[axis]) > 1)
+        });
+        4 * jumps.count() <= points.len() / EACH
     }
 
     /// That of a point given in cells, along each axis; the nearest for points outside the box.
