@@ -17,9 +17,9 @@ import sys
 ORDERS = ("value", "gradient", "hessian")
 PLACES = ("uniform", "near", "surface")
 # Each shape with the `max_error` that is shown of those that the bench measures.
-SHAPES = {"armadillo": "5e-04", "fandisk": "5e-04", "bunny": "5e-04", "dragon": "5e-04"}
+SHAPES = {"armadillo": "6e-04", "fandisk": "6e-04", "bunny": "6e-04", "dragon": "6e-04"}
 # Those of which docs/scale.md shows refined fits, as the bench has them.
-ERRORS = ("2e-03", "1e-03", "5e-04")
+ERRORS = ("2e-03", "1e-03", "6e-04")
 # Each closed shape with its name in docs/scale.md.
 SIDES = {
     "bunny_lsdo_genie": "bunny",

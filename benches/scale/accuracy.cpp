@@ -126,7 +126,7 @@ void accuracy(const Data &data) {
                 return std::string("accuracy_") + shape.key + "_" + std::to_string(report.n_unknowns);
             });
         }
-        for (const double max_error : {2e-3, 1e-3, 5e-4}) refined(shape.key, cloud, held_out, max_error);
+        for (const double max_error : {2e-3, 1e-3, 6e-4}) refined(shape.key, cloud, held_out, max_error);
         print_figures(std::string("accuracy_") + shape.key + "_poisson", shape.poisson);
         print_figures(std::string("accuracy_") + shape.key + "_ssd", shape.ssd);
         print_figures(std::string("accuracy_") + shape.key + "_goal", shape.goal);
