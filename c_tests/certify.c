@@ -4,7 +4,7 @@
 
 /* Coarse, so that it takes a second: most boxes are of the slope beyond the box, which is told roughly anyway. */
 #define TOLERANCE 0.3
-#define MAX_BOXES 4000
+#define MAX_BOXES 20000
 
 /* Distance of a point to the cube [-1, 1]^dim, negative inside. */
 static double cube_distance(const double *p, uint32_t dim) {
@@ -109,7 +109,7 @@ static void a_body_is_proven_clear_or_found_to_swallow(void) {
     ko_certify_options options;
     OK(ko_certify_options_init(&options, sizeof options));
     options.tolerance = 0.1;
-    options.max_boxes = 5 * MAX_BOXES;
+    options.max_boxes = MAX_BOXES;
     options.n_threads = 1;
     ko_certificate found;
     OK(ko_field_certify(field, mesh, clearance, covering, &options, sizeof found, &found));
