@@ -23,6 +23,7 @@
 //! | Thuermer and Wuethrich 1998, normals by angle | [`normals`] |
 //! | Hoppe et al. 1992, normals of points that come without | [`orient`] |
 //! | Steele, Lea and Flood 2014, SplitMix64 | [`random`] |
+//! | clouds that follow their mesh, and derivatives by its vertices | `follow`, `pull_back` |
 //!
 //! Where we depart: sides come from the winding number, not from the nearest normal as in (1), and sample elimination measures along
 //! the surface.
@@ -42,6 +43,7 @@ pub mod distance;
 pub(crate) mod edges;
 mod eliminate;
 pub(crate) mod facet;
+mod follow;
 pub mod mesh;
 mod morton;
 pub mod neighbours;
@@ -51,6 +53,7 @@ pub mod orient;
 pub(crate) mod pairs;
 pub mod polylines;
 mod predicate;
+mod pull_back;
 pub mod random;
 pub mod read;
 pub mod report;

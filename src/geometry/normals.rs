@@ -18,26 +18,45 @@ pub const SHARP_EDGE_DEGREES: f64 = 40.0;
 
 /// Unit normals of the corners of every facet [F x D x D]. A facet without area has zeros, and takes no part.
 pub fn corner_normals<const D: usize>(mesh: &Mesh<D>) -> Result<Vec<[[f64; D]; D]>> {
-    let n_facets = mesh.facets().len();
-    let mut face_normals = try_with_capacity(n_facets, "the face normals")?;
-    face_normals.extend((0..n_facets).map(|f| normalized(mesh.area_normal(f)).unwrap_or([0.0; D])));
+    Ok(CornerNormals::of(mesh)?.normals)
+}
 
-    let mut groups = smooth_groups(mesh, &face_normals)?;
-    let mut sums = try_vec(n_facets, [[0.0; D]; D], "the corner normals")?;
-    for (f, normal) in face_normals.iter().enumerate() {
-        let corners = mesh.corners(f);
-        for k in 0..D {
-            let group = groups.find(D * f + k);
-            let sum = &mut sums.as_flattened_mut()[group];
-            *sum = add(*sum, scale(weight(&corners, k), *normal));
+/// The corners' normals, with what they were made of.
+pub(super) struct CornerNormals<const D: usize> {
+    /// Unit normals of the facets [F x D], zeros where one has no area.
+    pub faces: Vec<[f64; D]>,
+    /// Groups of corners.
+    pub groups: Sets,
+    /// What [`corner_normals`] gives.
+    pub normals: Vec<[[f64; D]; D]>,
+    /// Of each group, at its first corner, the sum of its facets' normals, each times what it weighs [F x D x D].
+    pub sums: Vec<[[f64; D]; D]>,
+}
+
+impl<const D: usize> CornerNormals<D> {
+    /// Those of `mesh`.
+    pub fn of(mesh: &Mesh<D>) -> Result<Self> {
+        let n_facets = mesh.facets().len();
+        let mut faces = try_with_capacity(n_facets, "the face normals")?;
+        faces.extend((0..n_facets).map(|f| normalized(mesh.area_normal(f)).unwrap_or([0.0; D])));
+
+        let mut groups = smooth_groups(mesh, &faces)?;
+        let mut sums = try_vec(n_facets, [[0.0; D]; D], "the corner normals")?;
+        for (f, normal) in faces.iter().enumerate() {
+            let corners = mesh.corners(f);
+            for k in 0..D {
+                let group = groups.find(D * f + k);
+                let sum = &mut sums.as_flattened_mut()[group];
+                *sum = add(*sum, scale(weight(&corners, k), *normal));
+            }
         }
+        let mut normals = try_vec(n_facets, [[0.0; D]; D], "the corner normals")?;
+        for (corner, normal) in normals.as_flattened_mut().iter_mut().enumerate() {
+            let mean = sums.as_flattened()[groups.find(corner)];
+            *normal = normalized(mean).unwrap_or(faces[corner / D]);
+        }
+        Ok(CornerNormals { faces, groups, normals, sums })
     }
-    let mut normals = try_vec(n_facets, [[0.0; D]; D], "the corner normals")?;
-    for (corner, normal) in normals.as_flattened_mut().iter_mut().enumerate() {
-        let mean = sums.as_flattened()[groups.find(corner)];
-        *normal = normalized(mean).unwrap_or(face_normals[corner / D]);
-    }
-    Ok(normals)
 }
 
 /// The corners, numbered D f + k, joined around each vertex across edges that are not sharp.
@@ -60,7 +79,7 @@ fn smooth_groups<const D: usize>(mesh: &Mesh<D>, face_normals: &[[f64; D]]) -> R
 
 /// What a facet's normal weighs at its corner k: the angle there, the inverse length of a segment. A segment whose length vanishes weighs
 /// infinitely; no mean comes of that, and its neighbours keep their own normals.
-fn weight<const D: usize>(corners: &[[f64; D]; D], k: usize) -> f64 {
+pub(super) fn weight<const D: usize>(corners: &[[f64; D]; D], k: usize) -> f64 {
     match D {
         2 => 1.0 / facet::area(corners),
         _ => {

@@ -40,17 +40,22 @@ impl<const D: usize> Mesh<D> {
         if sampled.is_empty() {
             return Err(without_area(self));
         }
-        let corner_normals = corner_normals(&mesh)?;
-        let mut points = try_with_capacity(n_points, "the sample points")?;
-        let mut normals = try_with_capacity(n_points, "the sample normals")?;
-        for &Origin { facet: f, barycentric } in &sampled {
-            let f = f as usize;
-            let face = normalized(mesh.area_normal(f)).unwrap_or([0.0; D]);
-            points.push(scale(unit.grow, facet::point(&mesh.corners(f), barycentric)));
-            normals.push(interpolate_normal(&corner_normals[f], barycentric, face));
-        }
-        Ok(Cloud::new(points, normals)?.with_origins(sampled))
+        taken(&mesh, unit, sampled)
     }
+}
+
+/// The cloud of the points of the shrunk `mesh` at `origins`, in the caller's `unit`.
+pub(super) fn taken<const D: usize>(mesh: &Mesh<D>, unit: Unit, origins: Vec<Origin<D>>) -> Result<Cloud<D>> {
+    let corner_normals = corner_normals(mesh)?;
+    let mut points = try_with_capacity(origins.len(), "the sample points")?;
+    let mut normals = try_with_capacity(origins.len(), "the sample normals")?;
+    for &Origin { facet: f, barycentric } in &origins {
+        let f = f as usize;
+        let face = normalized(mesh.area_normal(f)).unwrap_or([0.0; D]);
+        points.push(scale(unit.grow, facet::point(&mesh.corners(f), barycentric)));
+        normals.push(interpolate_normal(&corner_normals[f], barycentric, face));
+    }
+    Ok(Cloud::new(points, normals)?.with_origins(origins))
 }
 
 fn without_area<const D: usize>(mesh: &Mesh<D>) -> Error {
