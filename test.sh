@@ -81,7 +81,7 @@ tests_named() {
 under_valgrind() (
     room=$(mktemp -d) || exit 1
     trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$room"' EXIT
-    programs=(fortran errors_later refined certify threads lifecycle plane level_sets normals clouds refits constraints constraints_errors
+    programs=(fortran errors_later refined certify threads lifecycle plane level_sets normals clouds refits sensitivity constraints constraints_errors
         formulations errors golden)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)

@@ -150,8 +150,10 @@ static void weights_that_weigh_nothing_are_refused(void) {
     CHECK(report.n_points == N / 2);
     ko_field_free(field);
 
-    options.reweighting = 2;
-    FAILS(ko_field_fit(cloud, &options, &field), KO_ERR_INVALID_ARGUMENT, "reweighting is 2");
+    options.reweighting = KO_REWEIGHT_KEEP;
+    FAILS(ko_field_fit(cloud, &options, &field), KO_ERR_INVALID_ARGUMENT, "a first fit has none");
+    options.reweighting = 3;
+    FAILS(ko_field_fit(cloud, &options, &field), KO_ERR_INVALID_ARGUMENT, "reweighting is 3");
     options.reweighting = -1;
     FAILS(ko_field_fit(cloud, &options, &field), KO_ERR_INVALID_ARGUMENT, "reweighting is -1");
     options = check_options(6);

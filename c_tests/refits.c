@@ -63,6 +63,37 @@ static void a_refit_takes_few_iterations_on_the_same_box(uint32_t dim) {
     ko_cloud_free(second);
 }
 
+static void a_refit_of_the_same_points_may_keep_their_weights(uint32_t dim) {
+    ko_cloud *first = moved(dim, 500, 0.0), *second = moved(dim, 500, 0.002), *fewer = moved(dim, 400, 0.0);
+    ko_fit_options options = check_options(12);
+    ko_field *start = NULL, *again = NULL, *kept = NULL;
+    OK(ko_field_fit(first, &options, &start));
+    OK(ko_field_refit(start, second, &options, &again));
+    options.reweighting = KO_REWEIGHT_KEEP;
+    OK(ko_field_refit(start, second, &options, &kept));
+    CHECK(report_of(kept).residual <= options.tolerance && report_of(kept).iterations < report_of(again).iterations);
+    CHECK(report_of(kept).rms < 2.0 * report_of(again).rms + 1e-4);
+    ko_field_free(kept);
+    /* Nothing moved: nothing is to be done. */
+    OK(ko_field_refit(start, first, &options, &kept));
+    CHECK(report_of(kept).iterations <= 1);
+    ko_field_free(kept);
+    FAILS(ko_field_refit(start, fewer, &options, &kept), KO_ERR_INVALID_ARGUMENT, "fitted to 500 points, but 400 points");
+    options.max_error = 1e-2;
+    FAILS(ko_field_refit(start, second, &options, &kept), KO_ERR_UNSUPPORTED, "cells that stay as they are");
+    options.max_error = 0.0;
+    OK(ko_field_save(start, "start.kofield"));
+    ko_field_free(start);
+    OK(ko_field_load("start.kofield", &start));
+    FAILS(ko_field_refit(start, second, &options, &kept), KO_ERR_INVALID_ARGUMENT, "does not know what points counted for");
+    remove("start.kofield");
+    ko_field_free(start);
+    ko_field_free(again);
+    ko_cloud_free(first);
+    ko_cloud_free(second);
+    ko_cloud_free(fewer);
+}
+
 /* A field's control points on its box are that field: to rounding, since a cell's edge is taken from the box. */
 static void control_points_make_the_field_again(uint32_t dim) {
     enum { N = 200 };
@@ -154,6 +185,7 @@ static void a_robust_fit_finds_them_itself(void) {
 int main(void) {
     for (uint32_t dim = 2; dim <= 3; dim++) {
         a_refit_takes_few_iterations_on_the_same_box(dim);
+        a_refit_of_the_same_points_may_keep_their_weights(dim);
         control_points_make_the_field_again(dim);
     }
     points_of_no_weight_are_not_there();

@@ -301,6 +301,12 @@ typedef struct ko_field ko_field;
 typedef struct ko_mesh ko_mesh;
 
 /**
+ * How values of a field change as its cloud does: a field and its cloud, ready for any number of `ko_sensitivity_solve`. Freed by
+ * `ko_sensitivity_free`.
+ */
+typedef struct ko_sensitivity ko_sensitivity;
+
+/**
  * What can be said of a mesh. Filled by `ko_mesh_get_report`. In the plane read segment for triangle, end of a segment for edge, length
  * for area, area for volume; entries along z are 0.
  */
@@ -564,7 +570,7 @@ typedef struct ko_fit_options {
      */
     void *progress_data;
     /**
-     * What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST.
+     * What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST; or KO_REWEIGHT_KEEP, for none.
      */
     int32_t reweighting;
     /**
@@ -1195,6 +1201,41 @@ int32_t ko_cloud_copy_origins(const struct ko_cloud *cloud,
                               double *barycentric);
 
 /**
+ * Makes the cloud of the same places, triangles and barycentric coordinates, on `mesh`: the one that `cloud` was sampled from, with its
+ * vertices moved.
+ *
+ * Points and normals are made as `ko_mesh_sample` makes them; weights stay. On a mesh whose vertices did not move `*moved` is `cloud`. It is
+ * the caller's to free. With `ko_field_refit` it makes the field follow a shape of parameters, with `ko_cloud_pull_back` derivatives by
+ * them.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a cloud that was not sampled from a mesh, for a mesh of another dimension and for one that lacks a
+ * triangle of the cloud's; KO_ERR_DEGENERATE for a triangle with a point that has lost its area; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost:
+ * O(n_points + n_triangles).
+ */
+int32_t ko_cloud_follow(const struct ko_cloud *cloud,
+                        const struct ko_mesh *mesh,
+                        struct ko_cloud **moved);
+
+/**
+ * Takes derivatives of some J by the points and normals of `cloud`, `d_points` [dim * n_points] and `d_normals` [dim * n_points], those of
+ * `ko_sensitivity_solve` say, back to derivatives by the vertices of `mesh`: `d_vertices` [dim * n_vertices].
+ *
+ * The transpose of the derivative of `ko_cloud_follow`: of points as sums of corners with barycentric coordinates, of normals through the
+ * corners' normals, the angles, in the plane the inverse lengths, that triangles weigh in these, and the triangles' own normals. Triangles,
+ * barycentric coordinates and which edges are sharp are held. `cloud` is the one that was sampled from `mesh`, or that followed it. NULL
+ * for `d_points` or `d_normals` stands for zeros. What `d_vertices` held before is lost; vertices without a triangle get 0.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a cloud that was not sampled from a mesh, a mesh of another dimension, one that lacks a triangle of
+ * the cloud's, and for other counts than those of `ko_cloud_get_size` and `ko_mesh_get_size`; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost:
+ * O(n_points + n_triangles); with `d_normals` some 300 bytes a triangle meanwhile.
+ */
+int32_t ko_cloud_pull_back(const struct ko_cloud *cloud,
+                           const struct ko_mesh *mesh,
+                           const double *d_points,
+                           const double *d_normals,
+                           size_t n_points,
+                           size_t n_vertices,
+                           double *d_vertices);
+
+/**
  * Fills `options` with the defaults. `struct_size` is sizeof *options.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
@@ -1430,6 +1471,59 @@ int32_t ko_field_load(const char *path,
  * Frees a field. NULL is taken. No other thread may be using it.
  */
 void ko_field_free(struct ko_field *field);
+
+/**
+ * Makes ready for the derivatives of values of `field` with respect to the points and normals of `cloud`, to which it was fitted (by
+ * `ko_field_fit` or `ko_field_refit`) with `options`; NULL: the defaults.
+ *
+ * Of the options lambda_normal, lambda_smooth and distance_weight tell the energy, and `tolerance` what the field is held to: it must be
+ * the minimum to twice that. What reweighting, robust or not, made of the points the field remembers, but not in a file: a field that was
+ * loaded serves where it was fitted with `reweightings` 0. `*sensitivity` is the caller's to free; it refers to neither field nor cloud.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a cloud of another dimension or of another number of points, for a point outside the box, naming the
+ * first, and for a field that is not the minimum for the cloud and the options, with the residual; KO_ERR_UNSUPPORTED for an option that
+ * this library does not know, KO_ERR_OUT_OF_MEMORY with the bytes that it would take, KO_ERR_CANCELLED.
+ * Threads: any; `progress` is called on the caller's, and no more after the call. Cost: the distances are measured again, and nothing
+ * is solved. Memory: that of the fit, and some 250 bytes a point and 100 a control point.
+ */
+int32_t ko_sensitivity_create(const struct ko_field *field,
+                              const struct ko_cloud *cloud,
+                              const struct ko_fit_options *options,
+                              struct ko_sensitivity **sensitivity);
+
+/**
+ * The derivatives of J = sum of w_j phi(x_j), over `points` x [dim * n_points] with `weights` w [n_points], with respect to all points and
+ * normals of the cloud: `d_points` [dim * n_cloud_points] and `d_normals` [dim * n_cloud_points].
+ *
+ * By one linear solve, however many points there are: the adjoint of the minimum (11), which Dunn et al. 2023, section 3.5, leave open. m
+ * constraints that are to be differentiated apart, such as phi(x_1), ..., phi(x_m), take m calls. `weights` NULL: each is 1. Points may lie
+ * outside the box. `n_cloud_points` must be that of `ko_cloud_get_size`; either output may be NULL, and is 0 for points of weight 0.
+ * Outputs are in the caller's units: with w without unit `d_points` has none, and `d_normals` is a length. They are derivatives of the
+ * field that a refit with KO_REWEIGHT_KEEP gives, with these held: the box, D, the weights, the cells and their levels, what each point
+ * counts for after reweighting, and in which cells distances are held, how much and with which sign. The distances themselves follow the
+ * points. So they hold for a cloud that moves a little within its bounds. Normals of a cloud have length 1: `d_normals` is at right angles to them, and the
+ * derivative with respect to a normal given with length l is `d_normals` / l. `ko_cloud_pull_back` goes on to the vertices of a mesh.
+ * `options` NULL: tolerance, max_iterations and n_threads of `ko_sensitivity_create`, no progress; else those, and `progress`, are taken
+ * from them, and nothing else counts. The tolerance is that of |g - A lambda| / |g|, g the derivatives of J by the control points, and with
+ * it the relative error of the outputs goes down.
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point or weight that is not finite, and for another n_cloud_points;
+ * KO_ERR_NOT_CONVERGED, KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. After an error outputs are unspecified, and the handle serves on.
+ * Threads: no other thread may be using the handle. The result depends neither on `n_threads` nor on earlier calls. Cost: that of one
+ * solve of a fit, and Hessians of two fields at each point of the cloud; where many iterations seem to be left, the first such call makes a multigrid, which the
+ * later ones use.
+ */
+int32_t ko_sensitivity_solve(struct ko_sensitivity *sensitivity,
+                             const double *points,
+                             const double *weights,
+                             size_t n_points,
+                             const struct ko_fit_options *options,
+                             size_t n_cloud_points,
+                             double *d_points,
+                             double *d_normals);
+
+/**
+ * Frees a sensitivity. NULL is taken. No other thread may be using it.
+ */
+void ko_sensitivity_free(struct ko_sensitivity *sensitivity);
 
 /**
  * Fills `options` with the defaults. `struct_size` is sizeof *options.

@@ -116,6 +116,11 @@ fn formulations() {
 }
 
 #[test]
+fn sensitivity() {
+    run("sensitivity", &[]);
+}
+
+#[test]
 fn errors() {
     run("errors", &[]);
 }

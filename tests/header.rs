@@ -17,6 +17,7 @@ fn generated() -> Vec<u8> {
         "smooth",
         "fit_options",
         "field",
+        "sensitivity",
         "level_set",
         "certify",
         "report",

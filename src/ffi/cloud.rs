@@ -1,11 +1,11 @@
 //! `ko_cloud`.
 
 use super::guard::{guard, guard_free};
-use super::mesh::{check_count, copied};
+use super::mesh::{check_count, copied, ko_mesh};
 use super::pointer::{array, array_mut, create, free, object, place, wanted};
 use crate::dimension::{OfDimension, in_its_dimension};
-use crate::geometry::Cloud;
 use crate::geometry::orient::NormalOptions;
+use crate::geometry::{Cloud, Mesh};
 use crate::progress::Progress;
 use crate::{Error, Result};
 
@@ -214,4 +214,100 @@ unsafe fn copy_origins<const D: usize>(
         to.iter_mut().zip(origins).for_each(|(to, origin)| *to = origin.barycentric);
     }
     Ok(())
+}
+
+/// Makes the cloud of the same places, triangles and barycentric coordinates, on `mesh`: the one that `cloud` was sampled from, with its
+/// vertices moved.
+///
+/// Points and normals are made as `ko_mesh_sample` makes them; weights stay. On a mesh whose vertices did not move `*moved` is `cloud`. It is
+/// the caller's to free. With `ko_field_refit` it makes the field follow a shape of parameters, with `ko_cloud_pull_back` derivatives by
+/// them.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a cloud that was not sampled from a mesh, for a mesh of another dimension and for one that lacks a
+/// triangle of the cloud's; KO_ERR_DEGENERATE for a triangle with a point that has lost its area; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost:
+/// O(n_points + n_triangles).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_cloud_follow(
+    cloud: *const ko_cloud,
+    mesh: *const ko_mesh,
+    moved: *mut *mut ko_cloud,
+) -> i32 {
+    guard(|| {
+        let make = || {
+            // SAFETY: the header asks for a cloud and a mesh.
+            let (ko_cloud(cloud), ko_mesh(mesh)) = unsafe { (object(cloud, "cloud")?, object(mesh, "mesh")?) };
+            Ok(ko_cloud(match (cloud, mesh) {
+                (OfDimension::Plane(cloud), OfDimension::Plane(mesh)) => OfDimension::Plane(cloud.follow(mesh)?),
+                (OfDimension::Space(cloud), OfDimension::Space(mesh)) => OfDimension::Space(cloud.follow(mesh)?),
+                _ => return Err(other_dimension(cloud.dim(), mesh.dim())),
+            }))
+        };
+        // SAFETY: the header asks for a handle to write.
+        unsafe { create(moved, "moved", make) }
+    })
+}
+
+/// Takes derivatives of some J by the points and normals of `cloud`, `d_points` [dim * n_points] and `d_normals` [dim * n_points], those of
+/// `ko_sensitivity_solve` say, back to derivatives by the vertices of `mesh`: `d_vertices` [dim * n_vertices].
+///
+/// The transpose of the derivative of `ko_cloud_follow`: of points as sums of corners with barycentric coordinates, of normals through the
+/// corners' normals, the angles, in the plane the inverse lengths, that triangles weigh in these, and the triangles' own normals. Triangles,
+/// barycentric coordinates and which edges are sharp are held. `cloud` is the one that was sampled from `mesh`, or that followed it. NULL
+/// for `d_points` or `d_normals` stands for zeros. What `d_vertices` held before is lost; vertices without a triangle get 0.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a cloud that was not sampled from a mesh, a mesh of another dimension, one that lacks a triangle of
+/// the cloud's, and for other counts than those of `ko_cloud_get_size` and `ko_mesh_get_size`; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost:
+/// O(n_points + n_triangles); with `d_normals` some 300 bytes a triangle meanwhile.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_cloud_pull_back(
+    cloud: *const ko_cloud,
+    mesh: *const ko_mesh,
+    d_points: *const f64,
+    d_normals: *const f64,
+    n_points: usize,
+    n_vertices: usize,
+    d_vertices: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a cloud and a mesh.
+        let (ko_cloud(cloud), ko_mesh(mesh)) = unsafe { (object(cloud, "cloud")?, object(mesh, "mesh")?) };
+        let given = [d_points, d_normals];
+        match (cloud, mesh) {
+            // SAFETY: the header asks for arrays of these lengths.
+            (OfDimension::Plane(cloud), OfDimension::Plane(mesh)) => unsafe {
+                pull_back(cloud, mesh, given, [n_points, n_vertices], d_vertices)
+            },
+            // SAFETY: as above.
+            (OfDimension::Space(cloud), OfDimension::Space(mesh)) => unsafe {
+                pull_back(cloud, mesh, given, [n_points, n_vertices], d_vertices)
+            },
+            _ => Err(other_dimension(cloud.dim(), mesh.dim())),
+        }
+    })
+}
+
+fn other_dimension(cloud: u32, mesh: u32) -> Error {
+    Error::InvalidArgument(format!("the cloud has dim {cloud}, the mesh dim {mesh}; they must be the same"))
+}
+
+/// # Safety
+/// The derivatives are NULL or arrays of D times `n_points`; `vertices` is NULL or an array of D times `n_vertices`, used by no one else.
+unsafe fn pull_back<const D: usize>(
+    cloud: &Cloud<D>,
+    mesh: &Mesh<D>,
+    given: [*const f64; 2],
+    [n_points, n_vertices]: [usize; 2],
+    vertices: *mut f64,
+) -> Result<()> {
+    check_count("n_points", n_points, cloud.len())?;
+    check_count("n_vertices", n_vertices, mesh.vertices().len())?;
+    let read = |from: *const f64, name| {
+        if from.is_null() {
+            return Ok(None);
+        }
+        // SAFETY: the caller's promise.
+        unsafe { array(from.cast::<[f64; D]>(), n_points, name) }.map(Some)
+    };
+    let (points, normals) = (read(given[0], "d_points")?, read(given[1], "d_normals")?);
+    // SAFETY: the caller's promise.
+    let vertices = unsafe { array_mut(vertices.cast::<[f64; D]>(), n_vertices, "d_vertices") }?;
+    cloud.pull_back(mesh, points, normals, vertices)
 }

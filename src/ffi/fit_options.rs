@@ -17,6 +17,9 @@ pub const KO_REWEIGHT_LARGEST: i32 = 0;
 /// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more,
 /// the first of them much smoother.
 pub const KO_REWEIGHT_ROBUST: i32 = 1;
+/// For `ko_field_refit` alone, of the same points, moved: each counts for what it counted for at last in the fit of `start`. One solve: the
+/// fastest refit, and that of which `ko_sensitivity_solve` gives the derivatives.
+pub const KO_REWEIGHT_KEEP: i32 = 2;
 
 /// Options of `ko_field_fit` and `ko_field_refit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit:
 /// lengths are taken in units of D, the diagonal of the cloud's bounding box.
@@ -59,14 +62,14 @@ pub struct ko_fit_options {
     pub progress: ko_progress,
     /// Handed to `progress`.
     pub progress_data: *mut c_void,
-    /// What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST.
+    /// What the rounds of reweighting are for: KO_REWEIGHT_LARGEST (default) or KO_REWEIGHT_ROBUST; or KO_REWEIGHT_KEEP, for none.
     pub reweighting: i32,
     /// Must be 0.
     pub reserved_2: u32,
     /// Largest error on the surface that is wanted, as a fraction of D, in [1e-9, 1]: cells are halved, again and again, where |phi| at the
     /// cloud's points is larger, and where parts are thin. The grid is then coarse where no `control_points` are asked for, lambda_normal
-    /// and lambda_smooth are those of its cells, and fall by 4 and 5 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one
-    /// grid.
+    /// and lambda_smooth are those of its cells, and fall by 4 and 5 with each halving. Not with KO_REWEIGHT_ROBUST or KO_REWEIGHT_KEEP. 0
+    /// (default): one grid.
     pub max_error: f64,
     /// Control points that refinement may take, at least 1; a fit that needs more, or more than `memory_limit`, ends with
     /// KO_BUDGET_REACHED. The grid that it begins with has no more either, but four along each axis, or the `control_points` asked for.
@@ -133,9 +136,10 @@ impl ko_fit_options {
         let reweighting = match self.reweighting {
             KO_REWEIGHT_LARGEST => Reweighting::Largest,
             KO_REWEIGHT_ROBUST => Reweighting::Robust,
+            KO_REWEIGHT_KEEP => Reweighting::Kept,
             other => {
                 return Err(Error::InvalidArgument(format!(
-                    "reweighting is {other}; it must be KO_REWEIGHT_LARGEST (0) or KO_REWEIGHT_ROBUST (1)"
+                    "reweighting is {other}; it must be KO_REWEIGHT_LARGEST (0), KO_REWEIGHT_ROBUST (1) or KO_REWEIGHT_KEEP (2)"
                 )));
             }
         };

@@ -45,6 +45,16 @@ pub struct Beyond {
 /// Value, gradient and Hessian.
 pub type Jet<const D: usize> = (f64, [f64; D], Hessian<D>);
 
+/// How phi at a point outside the box depends on control points.
+pub(super) struct Dependence<'a, const D: usize> {
+    /// Where P is evaluated.
+    pub place: Place<'a, D>,
+    /// d phi / d P
+    pub on_polynomial: f64,
+    /// d phi / d m
+    pub on_level: f64,
+}
+
 /// The matrix of `entry`(row, column).
 fn matrix<const D: usize>(entry: impl Fn(usize, usize) -> f64) -> Hessian<D> {
     std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
@@ -64,16 +74,7 @@ impl<const D: usize> Field<D> {
     /// The continuation at a point given in cells, outside the box along one axis at least.
     #[cold]
     pub(super) fn continued(&self, xi: [f64; D]) -> Jet<D> {
-        let mut bends = [Bend { ds: 1.0, ..Bend::default() }; D];
-        let (mut bent, reach) = (xi, self.beyond.reach);
-        for (a, axis) in self.grid.axes.iter().enumerate() {
-            let face = xi[a].clamp(0.0, axis.n_cells as f64);
-            if face != xi[a] {
-                let tau = xi[a] - face;
-                bends[a] = bend(tau / reach, reach * axis.cell);
-                bent[a] = face + reach * (tau / reach).tanh();
-            }
-        }
+        let (bent, bends) = self.bent(xi);
         let Beyond { sign, level, length, .. } = self.beyond;
         let polynomial = self.bent_polynomial(bent, &bends);
         let r = escape(&bends);
@@ -85,25 +86,48 @@ impl<const D: usize> Field<D> {
         sum(constant(level), sum(faded, product(sigma, r)))
     }
 
-    /// How a field of these control points goes on, from its values at the corners of all cells on the faces.
-    pub(super) fn look_at_faces(&self) -> Beyond {
-        let n = self.grid.n_cells();
-        let (mut total, mut size, mut count) = (0.0, 0.0, 0.0);
-        // Lines along the last axis: of those inside, only the ends.
-        let n_lines = n[..D - 1].iter().map(|n| n + 1).product::<usize>();
-        for line in 0..n_lines {
-            let across = std::array::from_fn(|a| if a == D - 1 { 1 } else { n[a] + 1 });
-            let mut corner: [usize; D] = place_of(line, across);
-            let inner = (0..D - 1).all(|a| corner[a] > 0 && corner[a] < n[a]);
-            for k in (0..=n[D - 1]).step_by(if inner { n[D - 1] } else { 1 }) {
-                corner[D - 1] = k;
-                let Place { stencil, u, control_points, .. } = self.place_near(corner.map(|x| x as f64));
-                let value = stencil.value::<Portable>(control_points, u);
-                total += value;
-                size += value.abs();
-                count += 1.0;
+    /// How phi depends on control points at a point given in cells, outside the box along one axis at least.
+    pub(super) fn dependence(&self, xi: [f64; D]) -> Dependence<'_, D> {
+        let (bent, bends) = self.bent(xi);
+        let Beyond { sign, length, .. } = self.beyond;
+        let place = self.place_near(bent);
+        let r = escape(&bends);
+        let faded = fading(r, length).0;
+        let on_sigma = match sign {
+            Some(_) => 0.0,
+            None => {
+                let h = self.grid.longest_cell();
+                let sigma = (place.stencil.value::<Portable>(place.control_points, place.u) / h).tanh();
+                r.0 * (1.0 - sigma * sigma) / h
+            }
+        };
+        Dependence { place, on_polynomial: faded + on_sigma, on_level: if sign.is_some() { 1.0 - faded } else { 0.0 } }
+    }
+
+    /// x_face + s(t) in cells, and how each coordinate was bent.
+    fn bent(&self, xi: [f64; D]) -> ([f64; D], [Bend; D]) {
+        let mut bends = [Bend { ds: 1.0, ..Bend::default() }; D];
+        let (mut bent, reach) = (xi, self.beyond.reach);
+        for (a, axis) in self.grid.axes.iter().enumerate() {
+            let face = xi[a].clamp(0.0, axis.n_cells as f64);
+            if face != xi[a] {
+                let tau = xi[a] - face;
+                bends[a] = bend(tau / reach, reach * axis.cell);
+                bent[a] = face + reach * (tau / reach).tanh();
             }
         }
+        (bent, bends)
+    }
+
+    /// How a field of these control points goes on, from its values at the corners of all cells on the faces.
+    pub(super) fn look_at_faces(&self) -> Beyond {
+        let (mut total, mut size, mut count) = (0.0f64, 0.0, 0.0);
+        self.for_face_corners(|Place { stencil, u, control_points, .. }| {
+            let value = stencil.value::<Portable>(control_points, u);
+            total += value;
+            size += value.abs();
+            count += 1.0;
+        });
         let extents = self.grid.axes.map(|a| a.upper() - a.lower);
         let length = norm(extents);
         let reach = REACH / self.refined.as_ref().map_or(1.0, |r| r.finest_on_faces());
@@ -116,12 +140,28 @@ impl<const D: usize> Field<D> {
         }
     }
 
+    /// Visits the corners of all cells on the faces: those of which phi's mean is m.
+    pub(super) fn for_face_corners<'a>(&'a self, mut visit: impl FnMut(Place<'a, D>)) {
+        let n = self.grid.n_cells();
+        // Lines along the last axis: of those inside, only the ends.
+        let n_lines = n[..D - 1].iter().map(|n| n + 1).product::<usize>();
+        for line in 0..n_lines {
+            let across = std::array::from_fn(|a| if a == D - 1 { 1 } else { n[a] + 1 });
+            let mut corner: [usize; D] = place_of(line, across);
+            let inner = (0..D - 1).all(|a| corner[a] > 0 && corner[a] < n[a]);
+            for k in (0..=n[D - 1]).step_by(if inner { n[D - 1] } else { 1 }) {
+                corner[D - 1] = k;
+                visit(self.place_near(corner.map(|x| x as f64)));
+            }
+        }
+    }
+
     /// The place of a point given in cells of the grid, in the box or a little beyond it: then in the nearest cell, which it is not in.
-    fn place_near(&self, xi: [f64; D]) -> Place<'_, D> {
+    pub(super) fn place_near(&self, xi: [f64; D]) -> Place<'_, D> {
         let per_cell = self.grid.axes.map(|a| 1.0 / a.cell);
         let Some(refined) = &self.refined else {
             let (stencil, u) = self.grid.stencil(xi);
-            return Place { stencil, u, control_points: &self.coefficients, per_cell };
+            return Place { stencil, u, control_points: &self.coefficients, table: 0, per_cell };
         };
         let face: [f64; D] = std::array::from_fn(|a| xi[a].clamp(0.0, self.grid.axes[a].n_cells as f64));
         let mut place = refined.place(&face, per_cell);
@@ -133,7 +173,7 @@ impl<const D: usize> Field<D> {
 
     /// Jet of P(x_face + s(t)).
     fn bent_polynomial(&self, bent: [f64; D], bends: &[Bend; D]) -> Jet<D> {
-        let Place { stencil, u, control_points, per_cell } = self.place_near(bent);
+        let Place { stencil, u, control_points, per_cell, .. } = self.place_near(bent);
         let (value, g, h) =
             stencil.value_gradient_hessian::<Portable>(control_points, &u.map(Weights::at), &u.map(second));
         let slope = |a: usize| per_cell[a] * bends[a].ds;

@@ -38,6 +38,8 @@ pub struct Data<const D: usize = 3> {
     /// The caller's weights, of sum 1 [N].
     pub(super) share: Vec<f64>,
     pub(super) mass: Vec<Mass>,
+    /// Their numbers in the cloud [N].
+    pub(super) number: Vec<u32>,
 }
 
 /// What a point counts for: its share unless reweighted.
@@ -64,9 +66,11 @@ impl<const D: usize> Data<D> {
             normals: try_vec(n, [0.0; D], "the normals")?,
             share: try_vec(n, 1.0 / n as f64, "the shares of the points")?,
             mass: try_vec(n, Mass { value: 0.0, gradient: 0.0 }, "the masses of the points")?,
+            number: try_vec(n, 0, "the numbers of the points")?,
         };
         let largest = cloud.weights().map(|weights| weights.iter().fold(0.0, |m: f64, w| m.max(*w)));
         for (place, (_, i)) in keys.iter().enumerate() {
+            data.number[place] = *i;
             data.xi[place] = to_cells(&cloud.points()[*i as usize]);
             data.normals[place] = cloud.normals()[*i as usize];
             if let (Some(weights), Some(largest)) = (cloud.weights(), largest) {
@@ -84,6 +88,16 @@ impl<const D: usize> Data<D> {
     /// Makes each point count for its share.
     pub(super) fn reset_weights(&mut self) {
         self.mass.iter_mut().zip(&self.share).for_each(|(m, s)| *m = Mass { value: *s, gradient: *s });
+    }
+
+    /// Whether the normal of point `place` counts for more than half. Sides are told by normals alone, so one that is in doubt is none.
+    pub(super) fn counts(&self, place: usize) -> bool {
+        self.mass[place].gradient > 0.5 * self.share[place]
+    }
+
+    /// What point `place` counts for without having been reweighted.
+    pub(super) fn own_mass(&self, place: usize) -> Mass {
+        Mass { value: self.share[place], gradient: self.share[place] }
     }
 
     /// Multiplies what the value of each point counts for by a factor of its own.
@@ -218,6 +232,22 @@ impl<const D: usize> DataTerm<D> {
         view.by_slab(workers, y, Diagonal { term: self, view });
     }
 
+    /// The points.
+    pub(super) fn points(&self) -> &Data<D> {
+        &self.data
+    }
+
+    /// The points, to be weighed anew.
+    pub(super) fn points_mut(&mut self) -> &mut Data<D> {
+        &mut self.data
+    }
+
+    /// What each point counts for: its number, and its masses, of which that of the gradient is times lambda_n.
+    pub(super) fn forces(&self) -> impl Iterator<Item = (u32, Mass)> {
+        let forces = self.data.number.iter().zip(&self.data.mass);
+        forces.map(|(i, m)| (*i, Mass { value: m.value, gradient: self.normal_weight * m.gradient }))
+    }
+
     /// Points.
     pub fn n_points(&self) -> usize {
         self.data.xi.len()
@@ -262,8 +292,7 @@ impl<const D: usize> DataTerm<D> {
     /// The points whose normals count for more than half, in units of D from the lower corner of the box, with their normals; `finest` is
     /// the grid in whose cells they are.
     pub fn counted(&self, finest: &Grid<D>) -> Result<Cloud<D>> {
-        // Sides are told by normals alone, so one that is in doubt is none.
-        let counts = |p: &usize| self.data.mass[*p].gradient > 0.5 * self.data.share[*p];
+        let counts = |p: &usize| self.data.counts(*p);
         let n = (0..self.n_points()).filter(counts).count();
         let mut points = try_with_capacity(n, "the points in units of D")?;
         let mut normals = try_with_capacity(n, "the normals")?;

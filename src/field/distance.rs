@@ -120,6 +120,20 @@ impl<const D: usize> DistanceTerm<D> {
         Ok(DistanceTerm { centers: Centers::new(grid)?, mass, distance, values })
     }
 
+    /// The cells in which distances are held: their middles, masses and d; `grid` is the finest.
+    pub fn held<'a>(&'a self, grid: &'a Grid<D>) -> impl Iterator<Item = ([f64; D], f64, f64)> + Clone + 'a {
+        let cells = self.mass.iter().zip(&self.distance).enumerate().filter(|(_, (m, _))| **m > 0.0);
+        cells.map(|(c, (m, d))| (center(grid, c), *m, *d))
+    }
+
+    /// Holds in the same cells, as much and with the same sign, what `distance` gives for their middles.
+    #[cfg(test)]
+    pub fn hold_instead(&mut self, grid: &Grid<D>, distance: impl Fn([f64; D]) -> f64) {
+        for (c, (d, _)) in self.distance.iter_mut().zip(&self.mass).enumerate().filter(|(_, (_, m))| **m > 0.0) {
+            *d = distance(center(grid, c)).copysign(*d);
+        }
+    }
+
     /// The part of the term that makes its matrix, on `grid`, coarser than this one's by twice along the axes for which `halved` is true:
     /// the masses of cells, in the middle of those of the level between.
     pub fn coarser(&self, grid: &Grid<D>) -> Result<Self> {

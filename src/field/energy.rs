@@ -26,6 +26,9 @@ pub struct EnergyWeights {
     pub smooth: f64,
 }
 
+/// The multigrid of an energy.
+type BorrowingMultigrid<'a, const D: usize> = Multigrid<Level<&'a DataTerm<D>, &'a mut Terms<D>, D>>;
+
 /// The form on one grid.
 pub struct Energy<const D: usize = 3> {
     /// In units of D.
@@ -107,8 +110,18 @@ impl<const D: usize> Energy<D> {
     }
 
     /// The multigrid of A.
-    pub(super) fn multigrid(&mut self, workers: &Workers) -> Result<Multigrid<Level<'_, D>>> {
+    pub(super) fn multigrid(&mut self, workers: &Workers) -> Result<BorrowingMultigrid<'_, D>> {
         multigrid(&self.data, &mut self.terms, workers)
+    }
+
+    /// The points and the terms, to be borrowed apart.
+    pub(super) fn parts_mut(&mut self) -> (&DataTerm<D>, &mut Terms<D>) {
+        (&self.data, &mut self.terms)
+    }
+
+    /// The points and the terms.
+    pub(super) fn into_parts(self) -> (DataTerm<D>, Terms<D>) {
+        (self.data, self.terms)
     }
 }
 

@@ -185,6 +185,8 @@ pub(super) struct Place<'a, const D: usize> {
     /// In the cell.
     pub u: [f64; D],
     pub control_points: &'a [f64],
+    /// Place of the first of these among the control points of all tables; 0 on a grid.
+    pub table: usize,
     /// 1 / h_a: what turns a derivative along a cell into one along x.
     pub per_cell: [f64; D],
 }
@@ -203,7 +205,7 @@ impl<'a, const D: usize> ControlPoints<'a, D> for OneGrid<'a, D> {
     #[inline(always)]
     fn place<I: Isa>(self, xi: &[f64; D]) -> Place<'a, D> {
         let (stencil, u) = self.0.cells.stencil::<I>(xi);
-        Place { stencil, u, control_points: &self.0.coefficients, per_cell: self.0.cells.per_cell() }
+        Place { stencil, u, control_points: &self.0.coefficients, table: 0, per_cell: self.0.cells.per_cell() }
     }
 }
 

@@ -8,6 +8,7 @@ use super::refined::fit::Spline;
 use super::refined::{self, Refined};
 use super::smoothness::Smoothness;
 use super::system::{Diagonal, FEW, PATIENCE};
+use super::weighed::Weighed;
 use super::{Field, FitOptions, FitReport, Reweighting, domain, reweight, robust};
 use crate::Result;
 use crate::error::{Error, try_vec, try_with_capacity};
@@ -42,9 +43,9 @@ const LARGEST_CELL: f64 = 100.0;
 /// Bytes that the fit of `n_points` points with a tensor of `shape` control points takes at most, cloud and result included, but for some
 /// kilobytes a thread.
 pub fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
-    // A point: its coordinates, normal, origin and weight; the same in the order of cells, its share, masses, misfit and place; its copy
-    // in units of D; its surfel with the trees that measure distances to it.
-    let point = (24 + 24 + 32 + 8) + (24 + 24 + 8 + 16 + 32 + 16) + 48 + 450;
+    // A point: its coordinates, normal, origin and weight; the same in the order of cells, its share, masses, number, misfit and place; what
+    // the field remembers of it; its copy in units of D; its surfel with the trees that measure distances to it.
+    let point = (24 + 24 + 32 + 8) + (24 + 24 + 8 + 16 + 4 + 32 + 16) + (24 + 4) + 48 + 450;
     // An unknown: the solution and the right-hand side, four vectors of the solve, one of the preconditioner, eight of the distances.
     let unknown = 8 * (2 + 4 + 1 + 8);
     let in_space = std::array::from_fn(|a| if a + D >= 3 { shape[a + D - 3] } else { 1 });
@@ -55,7 +56,12 @@ impl<const D: usize> Field<D> {
     /// Fits a field to `cloud`: minimises the energy (10), with the departures of this room, over the control points.
     pub fn fit(cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
-        check_robust(options, false)?;
+        check_reweighting(options, false)?;
+        if options.reweighting == Reweighting::Kept {
+            let text = "KO_REWEIGHT_KEEP keeps what points counted for in the field that a refit starts from; a first fit has none: take \
+                        KO_REWEIGHT_LARGEST or KO_REWEIGHT_ROBUST";
+            return Err(Error::InvalidArgument(text.into()));
+        }
         let n_points = cloud.counted_points().count();
         let refines = options.max_error > 0.0;
         let target = if refines { coarsest::<D>(options.max_unknowns) } else { chosen_control_points::<D>(n_points) };
@@ -68,10 +74,10 @@ impl<const D: usize> Field<D> {
             let tree = Tree::new(grid)?;
             let space = refined::fit::functions(&tree, n_points, options.memory_limit)?;
             let x = try_vec(space.n_numbers(), 0.0, "the control points")?;
-            fit_tree(Spline { tree, space, x }, cloud, options, progress)
+            fit_tree(Start { at: Spline { tree, space, x }, kept: None }, cloud, options, progress)
         } else {
-            let start = try_vec(grid.n_control(), 0.0, "the control points")?;
-            fit_on(grid, start, cloud, options, progress)
+            let at = try_vec(grid.n_control(), 0.0, "the control points")?;
+            fit_on(grid, Start { at, kept: None }, cloud, options, progress)
         }
     }
 
@@ -80,7 +86,7 @@ impl<const D: usize> Field<D> {
     /// `max_error` more of them are. [`Error::InvalidArgument`] for a point outside the box.
     pub fn refit(&self, cloud: &Cloud<D>, options: &FitOptions, progress: &mut Progress) -> Result<Self> {
         options.validate::<D>()?;
-        check_robust(options, self.is_refined())?;
+        check_reweighting(options, self.is_refined())?;
         let n_points = cloud.counted_points().count();
         check_size(n_points, &self.grid, options.memory_limit)?;
         let counted = cloud.counted()?;
@@ -99,10 +105,11 @@ impl<const D: usize> Field<D> {
                  diagonal is served: fit anew"
             )));
         }
+        let kept = self.kept(n_points, options)?;
         if self.refined.is_none() && options.max_error == 0.0 {
-            let mut start = try_vec(self.coefficients.len(), 0.0, "the control points")?;
-            start.iter_mut().zip(&self.coefficients).for_each(|(s, c)| *s = c / d);
-            return fit_on(self.grid, start, cloud, options, progress);
+            let mut at = try_vec(self.coefficients.len(), 0.0, "the control points")?;
+            at.iter_mut().zip(&self.coefficients).for_each(|(x, c)| *x = c / d);
+            return fit_on(self.grid, Start { at, kept }, cloud, options, progress);
         }
         let tree = self.refined.as_ref().map_or_else(|| Tree::new(self.grid), |r| r.tree().try_clone())?;
         let space = refined::fit::functions(&tree, n_points, options.memory_limit)?;
@@ -111,7 +118,24 @@ impl<const D: usize> Field<D> {
             None => space.of_grid(self.grid.shape(), &self.coefficients)?,
         };
         x.iter_mut().for_each(|x| *x /= d);
-        fit_tree(Spline { tree, space, x }, cloud, options, progress)
+        fit_tree(Start { at: Spline { tree, space, x }, kept }, cloud, options, progress)
+    }
+
+    /// What the points counted for in this field's fit, where `options` ask to keep it for `n_points` points.
+    fn kept(&self, n_points: usize, options: &FitOptions) -> Result<Option<&Weighed>> {
+        if options.reweighting != Reweighting::Kept {
+            return Ok(None);
+        }
+        match self.weighed.n_points() {
+            n if n == n_points => Ok(Some(&self.weighed)),
+            0 => Err(Error::InvalidArgument(
+                "start was loaded or made, and does not know what points counted for; KO_REWEIGHT_KEEP is for refits of fields that were fitted"
+                    .into(),
+            )),
+            n => Err(Error::InvalidArgument(format!(
+                "start was fitted to {n} points, but {n_points} points of the cloud count; KO_REWEIGHT_KEEP is for the same points, moved"
+            ))),
+        }
     }
 
     /// The field with the errors at the points of `cloud` in its report.
@@ -147,10 +171,18 @@ impl<const D: usize> Field<D> {
     }
 }
 
-/// The fit on `grid`, from control points `start` on, in units of D.
+/// Where a fit begins.
+struct Start<'a, T> {
+    /// Control points, in units of D.
+    at: T,
+    /// What the points are to count for, where they are not to be reweighted.
+    kept: Option<&'a Weighed>,
+}
+
+/// The fit on `grid` from `start` on.
 fn fit_on<const D: usize>(
     grid: Grid<D>,
-    start: Vec<f64>,
+    start: Start<Vec<f64>>,
     cloud: &Cloud<D>,
     options: &FitOptions,
     progress: &mut Progress,
@@ -162,20 +194,23 @@ fn fit_on<const D: usize>(
     let clock = Instant::now();
     let data = Data::new(cloud, &grid)?;
     let energy = Energy::new(data, in_units_of(&grid, d), options.weights())?;
-    let mut fitting = Fitting { options, workers: &workers, clock, energy, report };
-    let mut coefficients = match options.reweighting {
-        Reweighting::Largest => fitting.against_the_largest_error(start, progress)?,
-        Reweighting::Robust => fitting.robustly(start, progress)?,
+    let without_distances = Vec::new();
+    let mut fitting = Fitting { options, workers: &workers, clock, energy, without_distances, report };
+    let mut coefficients = match (start.kept, options.reweighting) {
+        (Some(kept), _) => fitting.as_before(start.at, kept, progress)?,
+        (None, Reweighting::Robust) => fitting.robustly(start.at, progress)?,
+        (None, _) => fitting.against_the_largest_error(start.at, progress)?,
     };
     coefficients.iter_mut().for_each(|c| *c *= d);
-
-    Field::new(grid, coefficients, options.feasible, d, fitting.report).checked(cloud, progress)
+    let weighed = Weighed::of(fitting.energy.data().points(), fitting.without_distances)?;
+    let field = Field::new(grid, coefficients, options.feasible, d, fitting.report);
+    Field { weighed, ..field }.checked(cloud, progress)
 }
 
 /// The fit from `start` on, with its tree's grid in the caller's units and control points in units of D; refined where it must be. Where
 /// nothing is, the field has one grid.
 fn fit_tree<const D: usize>(
-    start: Spline<D>,
+    Start { at: start, kept }: Start<Spline<D>>,
     cloud: &Cloud<D>,
     options: &FitOptions,
     progress: &mut Progress,
@@ -184,10 +219,14 @@ fn fit_tree<const D: usize>(
     let workers = Workers::new(options.n_threads)?;
     let mut report = begun(&grid, cloud);
     let clock = Instant::now();
-    let data = Data::new(cloud, &grid)?;
+    let mut data = Data::new(cloud, &grid)?;
     report.seconds_assembly = clock.elapsed().as_secs_f64();
+    if let Some(kept) = kept {
+        kept.weigh(&mut data);
+    }
     let start = Spline { tree: start.tree.on(in_units_of(&grid, d)), ..start };
-    let Spline { tree, space, mut x } = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
+    let (spline, weighed) = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
+    let Spline { tree, space, mut x } = spline;
     x.iter_mut().for_each(|x| *x *= d);
     let field = if tree.n_levels() == 1 {
         Field::new(grid, space.on_grid(grid.shape(), &x)?, options.feasible, d, report)
@@ -196,7 +235,7 @@ fn fit_tree<const D: usize>(
         active.extend(space.active(&x));
         Field::of_refined(Refined::new(tree.on(grid), &space, active)?, options.feasible, d, report)
     };
-    field.checked(cloud, progress)
+    Field { weighed, ..field }.checked(cloud, progress)
 }
 
 /// The report of a fit that begins.
@@ -216,6 +255,8 @@ struct Fitting<'a, const D: usize> {
     /// Runs since the last time that it was read.
     clock: Instant,
     energy: Energy<D>,
+    /// Numbers of the points that did not count when distances were measured.
+    without_distances: Vec<u32>,
     report: FitReport,
 }
 
@@ -270,6 +311,15 @@ impl<const D: usize> Fitting<'_, D> {
         Ok(x)
     }
 
+    /// The minimum from `x` on, with points that count for what they are `kept` to count for.
+    fn as_before(&mut self, x: Vec<f64>, kept: &Weighed, progress: &mut Progress) -> Result<Vec<f64>> {
+        kept.weigh_for_distances(self.energy.data_mut().points_mut());
+        self.hold_distances(progress)?;
+        kept.weigh(self.energy.data_mut().points_mut());
+        self.report.n_outliers = self.energy.data().n_left_out() as u64;
+        self.solve(x, Round { index: 0, of: 1, tolerance: self.options.tolerance }, progress)
+    }
+
     /// Weighs the points by how well `x` agrees with them.
     fn weigh(&mut self, x: &[f64]) -> Result<()> {
         let misfits = self.misfits(x)?;
@@ -289,6 +339,7 @@ impl<const D: usize> Fitting<'_, D> {
             let far = FarDistances::new(self.energy.counted()?, self.energy.grid(), self.workers, tell)?;
             self.report.clear_sides = far.clear();
             self.energy.hold(far, self.options.distance_weight)?;
+            self.without_distances = Weighed::doubtful(self.energy.data().points())?;
         }
         self.report.seconds_assembly += self.lap();
         Ok(())
@@ -321,12 +372,9 @@ impl<const D: usize> Fitting<'_, D> {
         Ok(x)
     }
 
-    /// Whether the grid is large enough for a multigrid to pay, and the limit of memory for what it takes more.
+    /// Whether there may be a multigrid.
     fn multigrid_fits(&self) -> bool {
-        let (n_points, shape) = (self.energy.data().n_points() as u128, self.energy.grid().shape().map(|n| n as u128));
-        let grid = self.energy.grid();
-        let bytes = memory(n_points, shape) + levels::memory(n_points, grid);
-        grid.n_control() >= FEW && levels::serve(grid) && bytes <= u128::from(self.options.memory_limit)
+        multigrid_fits(self.energy.data().n_points() as u128, self.energy.grid(), self.options.memory_limit)
     }
 
     fn iterations_left(&self) -> usize {
@@ -338,20 +386,34 @@ impl<const D: usize> Fitting<'_, D> {
     }
 }
 
+/// Whether the grid is large enough for a multigrid to pay, and the limit of memory for what it takes more.
+pub(super) fn multigrid_fits<const D: usize>(n_points: u128, grid: &Grid<D>, limit: u64) -> bool {
+    let bytes = memory(n_points, grid.shape().map(|n| n as u128)) + levels::memory(n_points, grid);
+    grid.n_control() >= FEW && levels::serve(grid) && bytes <= u128::from(limit)
+}
+
 /// The grid with its cells in units of D: what the energy sees.
-fn in_units_of<const D: usize>(grid: &Grid<D>, d: f64) -> Grid<D> {
+pub(super) fn in_units_of<const D: usize>(grid: &Grid<D>, d: f64) -> Grid<D> {
     Grid { axes: grid.axes.map(|a| Axis { lower: 0.0, cell: a.cell / d, n_cells: a.n_cells }) }
 }
 
-/// Refuses a robust fit on cells that are refined, or may be.
-fn check_robust(options: &FitOptions, refined: bool) -> Result<()> {
-    let advice = match (options.reweighting, refined, options.max_error > 0.0) {
-        (Reweighting::Largest, ..) | (_, false, false) => return Ok(()),
-        (_, true, _) => "the field has refined cells: fit anew on one grid (max_error 0)",
-        (_, false, true) => "take KO_REWEIGHT_LARGEST, or one grid (max_error 0)",
+/// Refuses what does not go with cells that are refined, or may be.
+fn check_reweighting(options: &FitOptions, refined: bool) -> Result<()> {
+    let may_be = options.max_error > 0.0;
+    let text = match (options.reweighting, refined, may_be) {
+        (Reweighting::Robust, true, _) => {
+            "a robust fit leaves points out that refinement cannot tell from errors; the field has refined cells: fit anew on one grid \
+             (max_error 0)"
+        }
+        (Reweighting::Robust, false, true) => {
+            "a robust fit leaves points out that refinement cannot tell from errors; take KO_REWEIGHT_LARGEST, or one grid (max_error 0)"
+        }
+        (Reweighting::Kept, _, true) => {
+            "KO_REWEIGHT_KEEP is for cells that stay as they are; take KO_REWEIGHT_LARGEST, or cut no cells (max_error 0)"
+        }
+        _ => return Ok(()),
     };
-    let text = format!("a robust fit leaves points out that refinement cannot tell from errors; {advice}");
-    Err(Error::Unsupported(text))
+    Err(Error::Unsupported(text.into()))
 }
 
 /// Refuses a fit that would take more than `limit` bytes.

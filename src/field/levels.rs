@@ -19,7 +19,7 @@ use crate::spline::blocks::{Blocks, Kinds};
 use crate::spline::gram::Gram;
 use crate::spline::two_scale::{TwoScale, coarser};
 use crate::spline::{Axis, Grid};
-use std::ops::Range;
+use std::ops::{Deref, DerefMut, Range};
 
 /// Unknowns of the coarsest grid, which is solved, at most, where its axes can be coarsened so far.
 const COARSEST: usize = 400;
@@ -73,7 +73,12 @@ impl<const D: usize> Terms<D> {
         Ok(d)
     }
 
-    /// The terms on the grid with the axes coarsened for which `halved` is true.
+    /// What makes the matrix once more.
+    pub fn copy(&self, data: &DataTerm<D>) -> Result<Self> {
+        self.coarser(data, [false; D])
+    }
+
+    /// The terms on the grid with the axes coarsened for which `halved` is true, as far as they make its matrix.
     fn coarser(&self, data: &DataTerm<D>, halved: [bool; D]) -> Result<Self> {
         let grid = coarser_grid(self.view.grid(), halved);
         let times = std::array::from_fn(|a| if halved[a] { 2 * self.times[a] } else { self.times[a] });
@@ -199,30 +204,34 @@ fn in_space<const D: usize>(halved: [bool; D]) -> [bool; 3] {
 }
 
 /// A on one grid.
-enum Form<'a, const D: usize> {
-    Finest(&'a mut Terms<D>),
+enum Form<T, const D: usize> {
+    Finest(T),
     Terms(Box<Terms<D>>),
     Entries(Assembled),
 }
 
-/// One grid of the multigrid.
-pub(super) struct Level<'a, const D: usize> {
-    data: &'a DataTerm<D>,
-    form: Form<'a, D>,
+/// One grid of the multigrid, which borrows or shares the points, `P`, and borrows or owns the terms of the finest grid, `T`.
+pub(super) struct Level<P, T, const D: usize> {
+    data: P,
+    form: Form<T, D>,
     blocks: Blocks,
     to_coarser: TwoScale,
     len: usize,
 }
 
-impl<const D: usize> multigrid::Level for Level<'_, D> {
+impl<P, T, const D: usize> multigrid::Level for Level<P, T, D>
+where
+    P: Deref<Target = DataTerm<D>>,
+    T: DerefMut<Target = Terms<D>>,
+{
     fn n_unknowns(&self) -> usize {
         self.len
     }
 
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
         match &mut self.form {
-            Form::Finest(terms) => terms.apply(self.data, workers, x, y),
-            Form::Terms(terms) => terms.apply(self.data, workers, x, y),
+            Form::Finest(terms) => terms.apply(&self.data, workers, x, y),
+            Form::Terms(terms) => terms.apply(&self.data, workers, x, y),
             Form::Entries(matrix) => matrix.apply(workers, x, y),
         }
     }
@@ -241,32 +250,36 @@ impl<const D: usize> multigrid::Level for Level<'_, D> {
 }
 
 /// The multigrid of `finest`, of which the grid must be one that it [serves](serve).
-pub(super) fn multigrid<'a, const D: usize>(
-    data: &'a DataTerm<D>,
-    finest: &'a mut Terms<D>,
+pub(super) fn multigrid<P, T, const D: usize>(
+    data: P,
+    mut finest: T,
     workers: &Workers,
-) -> Result<Multigrid<Level<'a, D>>> {
+) -> Result<Multigrid<Level<P, T, D>>>
+where
+    P: Deref<Target = DataTerm<D>> + Clone,
+    T: DerefMut<Target = Terms<D>>,
+{
     let mut levels = Vec::new();
     let mut axes = halved(finest.view.grid());
-    let mut next = finest.coarser(data, axes)?;
+    let mut next = finest.coarser(&data, axes)?;
     let mut shape = finest.smoothness.shape();
-    let (mut blocks, entries) = finest.prepare(data, workers)?;
+    let (mut blocks, entries) = finest.prepare(&data, workers)?;
     let mut form = entries.map_or(Form::Finest(finest), Form::Entries);
     loop {
         let to_coarser = TwoScale::new(shape, in_space(axes))?;
-        let mut level = Level { data, form, blocks, to_coarser, len: shape.iter().product() };
+        let mut level = Level { data: data.clone(), form, blocks, to_coarser, len: shape.iter().product() };
         let smoother = Smoother::new(&mut level, workers)?;
         levels.push((level, smoother));
         axes = halved(next.view.grid());
         if axes == [false; D] {
-            let matrix = next.assemble_all(data, workers)?;
+            let matrix = next.assemble_all(&data, workers)?;
             let n = next.view.grid().n_control();
             return Multigrid::new(levels, Cholesky::new(n, matrix.lower_triangle()?, LEAST_PIVOT));
         }
-        let coarser = next.coarser(data, axes)?;
+        let coarser = next.coarser(&data, axes)?;
         shape = next.smoothness.shape();
         let entries;
-        (blocks, entries) = next.prepare(data, workers)?;
+        (blocks, entries) = next.prepare(&data, workers)?;
         form = entries.map_or_else(|| Form::Terms(Box::new(next)), Form::Entries);
         next = coarser;
     }

@@ -13,6 +13,7 @@
 //! | (9), distances, in cells away from the surface | [`distance`] |
 //! | (10), the energy | [`energy`] |
 //! | (11), its minimum, Algorithm 1, step 4 | [`fit`]; its solution: `system`, on ever coarser grids: `levels` |
+//! | its section 3.5, derivatives for a boundary that varies | [`sensitivity`] |
 //! | its section 5, refinement where needed | `refined` |
 //! | (5), evaluation, Algorithm 1, step 5 | [`eval`], [`crate::spline::kernel`] |
 //! | nothing: what phi at the samples of a body proves | [`certify`] |
@@ -50,6 +51,7 @@ pub mod eval;
 pub mod file;
 pub mod fit;
 pub mod function;
+mod functional;
 mod groups;
 pub mod lattice;
 pub mod level_set;
@@ -60,9 +62,12 @@ mod refined;
 mod report;
 pub mod reweight;
 pub mod robust;
+pub mod sensitivity;
 pub mod smoothness;
 mod system;
+mod weighed;
 
+use crate::error::try_vec;
 use crate::spline::Grid;
 use crate::spline::axis::Cells;
 use crate::{Error, Result};
@@ -76,6 +81,7 @@ pub use level_set::{LevelSet, LevelSetOptions};
 pub use options::{Feasible, FitOptions, Reweighting};
 use refined::Refined;
 pub use report::FitReport;
+use weighed::Weighed;
 
 /// A fitted level-set function.
 #[derive(Debug, Clone)]
@@ -92,6 +98,8 @@ pub struct Field<const D: usize = 3> {
     /// D of the cloud.
     diagonal: f64,
     report: FitReport,
+    /// What the points counted for in the fit; a file does not keep it.
+    weighed: Weighed,
 }
 
 impl<const D: usize> Field<D> {
@@ -113,7 +121,8 @@ impl<const D: usize> Field<D> {
     ) -> Self {
         let cells = Cells::of(&grid);
         let beyond = Beyond::default();
-        let mut field = Field { grid, cells, coefficients, refined, feasible, beyond, diagonal, report };
+        let weighed = Weighed::default();
+        let mut field = Field { grid, cells, coefficients, refined, feasible, beyond, diagonal, report, weighed };
         field.beyond = field.look_at_faces();
         field
     }
@@ -145,6 +154,14 @@ impl<const D: usize> Field<D> {
             ..FitReport::default()
         };
         Ok(Field::new(grid, control_points, feasible, diagonal, report))
+    }
+
+    /// A copy, where there is room for one, but for what the fit's points counted for.
+    fn try_clone(&self) -> Result<Self> {
+        let mut coefficients = try_vec(self.coefficients.len(), 0.0, "the control points")?;
+        coefficients.copy_from_slice(&self.coefficients);
+        let refined = self.refined.as_ref().map(|r| r.try_clone().map(Box::new)).transpose()?;
+        Ok(Field { coefficients, refined, weighed: Weighed::default(), ..*self })
     }
 
     /// The box, its cells and control points; of a refined field the longest cells.
@@ -185,7 +202,7 @@ impl<const D: usize> Field<D> {
     /// Bytes that the field holds.
     pub fn bytes(&self) -> usize {
         let refined = self.refined.as_ref().map_or(0, |r| r.bytes());
-        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>() + refined
+        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>() + refined + self.weighed.bytes()
     }
 }
 

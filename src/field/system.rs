@@ -4,13 +4,15 @@
 //! and 64,000 points to 1e-6 in four rounds. Without them they grow: 517, 1407. A V-cycle takes 11 and 11, each at some fifteen times the
 //! cost, after work worth eighty. So a solve begins with the diagonal, and goes on with the multigrid where too much seems to be left.
 
+use super::data::DataTerm;
 use super::energy::Energy;
-use super::levels::Level;
+use super::levels::{Level, Terms};
 use crate::Result;
 use crate::linalg::cg;
 use crate::linalg::multigrid::{Level as _, Multigrid};
 use crate::linalg::vector::update;
 use crate::par::Workers;
+use std::ops::{Deref, DerefMut};
 
 /// Iterations with the diagonal that are waited for. A solve by multigrid costs as much as some 200 of them; but where 150 seem to be left,
 /// more mostly are.
@@ -21,7 +23,8 @@ pub const FEW: usize = 4096;
 
 /// A x = b, without b, preconditioned by the diagonal.
 pub struct Diagonal<'a, const D: usize = 3> {
-    energy: &'a mut Energy<D>,
+    data: &'a DataTerm<D>,
+    terms: &'a mut Terms<D>,
     /// 1 / diagonal of A [n]
     inverse: Vec<f64>,
 }
@@ -29,16 +32,22 @@ pub struct Diagonal<'a, const D: usize = 3> {
 impl<'a, const D: usize> Diagonal<'a, D> {
     /// The system of `energy`.
     pub fn new(energy: &'a mut Energy<D>, workers: &Workers) -> Result<Self> {
-        energy.reserve()?;
-        let mut inverse = energy.diagonal(workers)?;
+        let (data, terms) = energy.parts_mut();
+        Diagonal::of(data, terms, workers)
+    }
+
+    /// The system of the energy of `data` and `terms`.
+    pub(super) fn of(data: &'a DataTerm<D>, terms: &'a mut Terms<D>, workers: &Workers) -> Result<Self> {
+        terms.smoothness.reserve()?;
+        let mut inverse = terms.diagonal(data, workers)?;
         inverse.iter_mut().for_each(|d| *d = 1.0 / *d);
-        Ok(Diagonal { energy, inverse })
+        Ok(Diagonal { data, terms, inverse })
     }
 }
 
 impl<const D: usize> cg::System for Diagonal<'_, D> {
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
-        self.energy.apply(workers, x, y);
+        self.terms.apply(self.data, workers, x, y);
     }
 
     fn precondition(&mut self, workers: &Workers, r: &[f64], z: &mut [f64]) {
@@ -47,7 +56,11 @@ impl<const D: usize> cg::System for Diagonal<'_, D> {
     }
 }
 
-impl<const D: usize> cg::System for Multigrid<Level<'_, D>> {
+impl<P, T, const D: usize> cg::System for Multigrid<Level<P, T, D>>
+where
+    P: Deref<Target = DataTerm<D>>,
+    T: DerefMut<Target = Terms<D>>,
+{
     fn apply(&mut self, workers: &Workers, x: &[f64], y: &mut [f64]) {
         self.finest().apply(workers, x, y);
     }

@@ -241,11 +241,12 @@ impl<const D: usize> RefinedEnergy<D> {
             order[next[*leaf as usize]] = i as u32;
             next[*leaf as usize] += 1;
         }
-        let Data { xi, normals, share, mass } = &mut self.data;
+        let Data { xi, normals, share, mass, number } = &mut self.data;
         permute(xi, &order)?;
         permute(normals, &order)?;
         permute(share, &order)?;
         permute(mass, &order)?;
+        permute(number, &order)?;
         self.points = points;
         Ok(())
     }
@@ -287,9 +288,7 @@ impl<const D: usize> RefinedEnergy<D> {
                     if (0..D).any(|a| at[a] >= cells[a]) {
                         continue;
                     }
-                    let x = std::array::from_fn(|a| {
-                        ((SIDE * tile.place[a] as usize + at[a]) as f64 + 0.5) / level.per_cell[a]
-                    });
+                    let x = middle(tile, &level.per_cell, at);
                     if *i == NONE {
                         (*d, *i) = sampler.nearest(x, &mut hint);
                     }
@@ -434,6 +433,11 @@ impl<const D: usize> RefinedEnergy<D> {
         }
         (Stencil { first, strides }, u)
     }
+}
+
+/// The middle of the cell at `at` of `tile`, of which `per_cell` is 1 / h_a.
+pub(super) fn middle<const D: usize>(tile: &Tile<D>, per_cell: &[f64; D], at: [usize; D]) -> [f64; D] {
+    std::array::from_fn(|a| ((SIDE * tile.place[a] as usize + at[a]) as f64 + 0.5) / per_cell[a])
 }
 
 fn permute<T: Copy>(x: &mut Vec<T>, order: &[u32]) -> Result<()> {

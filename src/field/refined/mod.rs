@@ -18,8 +18,9 @@
 //! makes of it the preconditioner of Bramble, Pasciak and Xu 1990 (Griebel 1994), they took two to five times as many iterations: data are
 //! stiff, and every level more on them makes them stiffer. The multigrid of one grid is not carried over to trees.
 
+mod adjoint;
 mod cuts;
-mod energy;
+pub(super) mod energy;
 pub(super) mod fit;
 mod leaf_terms;
 
@@ -57,6 +58,16 @@ impl<const D: usize> Refined<D> {
         Ok(Refined { tree, active, tables })
     }
 
+    /// A copy, where there is room for one.
+    pub fn try_clone(&self) -> Result<Self> {
+        let copy = |from: &[f64]| {
+            let mut to = try_vec(from.len(), 0.0, "the control points")?;
+            to.copy_from_slice(from);
+            Ok(to)
+        };
+        Ok(Refined { tree: self.tree.try_clone()?, active: copy(&self.active)?, tables: copy(&self.tables)? })
+    }
+
     /// The cells.
     pub fn tree(&self) -> &Tree<D> {
         &self.tree
@@ -89,8 +100,9 @@ impl<const D: usize> Refined<D> {
             first += cell * strides[a];
             u[a] = y[a] - cell as f64;
         }
-        let control_points = &self.tables[leaf * per_table::<D>()..][..per_table::<D>()];
-        Place { stencil: Stencil { first, strides }, u, control_points, per_cell: per_cell.map(|c| c * times) }
+        let table = leaf * per_table::<D>();
+        let control_points = &self.tables[table..][..per_table::<D>()];
+        Place { stencil: Stencil { first, strides }, u, control_points, table, per_cell: per_cell.map(|c| c * times) }
     }
 
     /// How many times as short as the grid's the shortest cells on the faces of the box are.
