@@ -209,7 +209,7 @@ impl<const D: usize> OneGrid<D> {
             }
         };
         let (x, _) = cg::solve(multigrid, g, x, stop, workers, &mut observe)
-            .map_err(|error| error.counting_earlier_iterations(done.iterations as u32))?;
+            .map_err(|error| error.of_a_round(done.iterations as u32, tolerance))?;
         Ok(x)
     }
 }

@@ -121,7 +121,7 @@ impl<const D: usize> Case<D> {
         let mut terms = form.terms;
         let data = DataTerm::new(data, self.options.normal_weight);
         let grid = *terms.view.grid();
-        terms.view = data.view(grid, [1; D]);
+        terms.view = data.view(grid, [1; D]).unwrap();
         let mut b = vec![0.0; grid.n_control()];
         data.add_right_hand_side(&terms.view, &workers, sign, &mut b);
         if let Some(held) = &mut terms.distance {
