@@ -39,6 +39,7 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_FEASIBLE_INSIDE = 1
   integer(c_int32_t), parameter :: KO_REWEIGHT_LARGEST = 0
   integer(c_int32_t), parameter :: KO_REWEIGHT_ROBUST = 1
+  integer(c_int32_t), parameter :: KO_REWEIGHT_KEEP = 2
   integer(c_int32_t), parameter :: KO_AGGREGATE_NONE = 0
   integer(c_int32_t), parameter :: KO_AGGREGATE_KS = 1
   integer(c_int32_t), parameter :: KO_AGGREGATE_INDUCED_EXPONENTIAL = 2
@@ -929,6 +930,54 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
+    function ko_cloud_follow(cloud, mesh, moved) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      type(c_ptr), value :: mesh
+      type(c_ptr), intent(out) :: moved
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_cloud_pull_back(cloud, mesh, d_points, d_normals, n_points, n_vertices, d_vertices) bind(c) result(status)
+      import
+      type(c_ptr), value :: cloud
+      type(c_ptr), value :: mesh
+      type(c_ptr), value :: d_points
+      type(c_ptr), value :: d_normals
+      integer(c_size_t), value :: n_points
+      integer(c_size_t), value :: n_vertices
+      real(c_double), intent(inout) :: d_vertices(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_sensitivity_create(field, cloud, options, sensitivity) bind(c) result(status)
+      import
+      type(c_ptr), value :: field
+      type(c_ptr), value :: cloud
+      type(ko_fit_options), intent(in) :: options
+      type(c_ptr), intent(out) :: sensitivity
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_sensitivity_solve(sensitivity, points, weights, n_points, options, n_cloud_points, d_points, d_normals) bind(c) &
+      result(status)
+      import
+      type(c_ptr), value :: sensitivity
+      real(c_double), intent(in) :: points(*)
+      type(c_ptr), value :: weights
+      integer(c_size_t), value :: n_points
+      type(c_ptr), value :: options
+      integer(c_size_t), value :: n_cloud_points
+      type(c_ptr), value :: d_points
+      type(c_ptr), value :: d_normals
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_sensitivity_free(sensitivity) bind(c)
+      import
+      type(c_ptr), value :: sensitivity
+    end subroutine
+
     function ko_explicit_options_init(options, struct_size) bind(c) result(status)
       import
       type(ko_explicit_options), intent(inout) :: options
@@ -983,8 +1032,9 @@ module keepout_c
   end interface
 end module
 
-! Handles. A keepout_mesh, _cloud, _field, _body, _constraints or _explicit is filled by a call on it (`call field%fit(cloud)`), which
-!   frees what it held, and is freed by free() or when it goes out of scope. It has one owner: assigning one ends the program.
+! Handles. A keepout_mesh, _cloud, _field, _sensitivity, _body, _constraints or _explicit is filled by a call on it
+!   (`call field%fit(cloud)`), which frees what it held, and is freed by free() or when it goes out of scope. It has one owner: assigning
+!   one ends the program.
 !   Fortran copies past that assignment in `allocate (c, source=mesh)` and in structure constructors, holder(mesh): never do either, both
 !   would free what there is once. To move a handle make it allocatable and call move_alloc.
 ! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX,
@@ -1045,6 +1095,8 @@ module keepout
     procedure :: set_weights => cloud_set_weights
     procedure :: smooth => cloud_smooth
     procedure :: sides => cloud_sides
+    procedure :: follow => cloud_follow
+    procedure :: pull_back => cloud_pull_back
     procedure :: c_handle => cloud_c_handle
     procedure, private :: cloud_assign
     generic :: assignment(=) => cloud_assign
@@ -1075,6 +1127,21 @@ module keepout
     procedure, private :: field_assign
     generic :: assignment(=) => field_assign
     final :: field_final
+  end type
+
+  ! How values of a field change as its cloud does: ready for any number of solves, one a J = sum of w_j phi(x_j).
+  type :: keepout_sensitivity
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer(c_size_t), private :: points = 0
+  contains
+    procedure :: create => sensitivity_create
+    procedure :: free => sensitivity_free
+    procedure :: solve => sensitivity_solve
+    procedure :: c_handle => sensitivity_c_handle
+    procedure, private :: sensitivity_assign
+    generic :: assignment(=) => sensitivity_assign
+    final :: sensitivity_final
   end type
 
   ! Points of a design that move with it, and how densely they cover its surface.
@@ -1171,7 +1238,8 @@ module keepout
     end function
   end interface
 
-  private :: keepout_strlen, from_c, to_c, settle, conclude, refuse, right_shape, right_size, mesh_adopt, cloud_adopt, field_adopt
+  private :: keepout_strlen, from_c, to_c, settle, conclude, refuse, right_shape, right_size, of_cloud, mesh_adopt, cloud_adopt
+  private :: field_adopt
   private :: mesh_read, mesh_from_triangles, mesh_from_polylines, mesh_free, mesh_dim, mesh_n_vertices, mesh_n_triangles, mesh_copy
   private :: mesh_report, mesh_flip, mesh_sample, mesh_signed_distance, mesh_c_handle, mesh_assign, mesh_final
   private :: mesh_write, mesh_copy_polylines, cloud_estimate_normals, field_refit, field_from_control_points, field_control_points
@@ -1188,7 +1256,8 @@ module keepout
   private :: constraints_transposed_jacobian_times, constraints_hessian_pattern, constraints_hessian, constraints_c_handle
   private :: constraints_assign, constraints_final
   private :: explicit_create, explicit_free, explicit_dim, explicit_smoothing, explicit_eval, explicit_c_handle, explicit_assign
-  private :: explicit_final
+  private :: explicit_final, cloud_follow, cloud_pull_back, sensitivity_create, sensitivity_free, sensitivity_solve
+  private :: sensitivity_c_handle, sensitivity_assign, sensitivity_final
   private :: field_outside_box, field_c_handle, field_assign, field_final, addresses, pass_on, hear_progress
 
 contains
@@ -1633,6 +1702,46 @@ contains
       if (.not. right_size("sides", "entries", size(sides), size(points, 2), stat, errmsg)) return
     end if
     call settle(ko_cloud_sides(self%handle, points, size(points, 2, c_size_t), sides), stat, errmsg)
+  end subroutine
+
+  ! Makes `moved` the cloud of the same places on `mesh`: the one that this was sampled from, with its vertices moved.
+  subroutine cloud_follow(self, mesh, moved, stat, errmsg)
+    class(keepout_cloud), intent(in) :: self
+    type(keepout_mesh), intent(in) :: mesh
+    type(keepout_cloud), intent(inout) :: moved
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_cloud_follow(self%handle, mesh%handle, handle)
+    if (status >= KO_OK) call cloud_adopt(moved, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Takes derivatives by points and normals, d_points and d_normals (dim, n_points), absent for zeros, back to those by the vertices of
+  ! `mesh`, into d_vertices (dim, n_vertices).
+  subroutine cloud_pull_back(self, mesh, d_vertices, d_points, d_normals, stat, errmsg)
+    class(keepout_cloud), intent(in) :: self
+    type(keepout_mesh), intent(in) :: mesh
+    real(c_double), intent(inout), contiguous :: d_vertices(:, :)
+    real(c_double), intent(in), contiguous, target, optional :: d_points(:, :), d_normals(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: from(2)
+    from = c_null_ptr
+    if (self%width > 0) then
+      if (.not. right_size("d_vertices", "rows", size(d_vertices, 1), self%width, stat, errmsg)) return
+    end if
+    if (present(d_points)) then
+      if (.not. of_cloud("d_points", shape(d_points), self%width, self%points, stat, errmsg)) return
+      from(1) = c_loc(d_points)
+    end if
+    if (present(d_normals)) then
+      if (.not. of_cloud("d_normals", shape(d_normals), self%width, self%points, stat, errmsg)) return
+      from(2) = c_loc(d_normals)
+    end if
+    call settle(ko_cloud_pull_back(self%handle, mesh%handle, from(1), from(2), self%points, size(d_vertices, 2, c_size_t), &
+      d_vertices), stat, errmsg)
   end subroutine
 
   ! For calls of keepout_c; it stays the cloud's.
@@ -2286,6 +2395,83 @@ contains
     handle = self%handle
   end function
 
+  ! ---- Derivatives by the cloud
+
+  ! Of `field` with respect to `cloud`, to which it was fitted with `options`; it refers to neither. `listener` is told of progress, on
+  ! this thread.
+  subroutine sensitivity_create(self, field, cloud, options, listener, stat, errmsg)
+    class(keepout_sensitivity), intent(inout) :: self
+    type(keepout_field), intent(in) :: field
+    type(keepout_cloud), intent(in) :: cloud
+    type(ko_fit_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_fit_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_fit_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    status = ko_sensitivity_create(field%handle, cloud%handle, plain, handle)
+    if (status >= KO_OK) then
+      call self%free()
+      self%handle = handle
+      self%width = cloud%width
+      self%points = cloud%points
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine sensitivity_free(self)
+    class(keepout_sensitivity), intent(inout) :: self
+    call ko_sensitivity_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%points = 0
+  end subroutine
+
+  ! dJ by points and normals of the cloud, into d_points and d_normals (dim, n_points of the cloud), of J over points (dim, n) with
+  ! weights (n), absent for ones. `options` absent: to the tolerance of those of create.
+  subroutine sensitivity_solve(self, points, weights, d_points, d_normals, options, stat, errmsg)
+    class(keepout_sensitivity), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: points(:, :)
+    real(c_double), intent(in), contiguous, target, optional :: weights(:)
+    real(c_double), intent(inout), contiguous, target, optional :: d_points(:, :), d_normals(:, :)
+    type(ko_fit_options), intent(in), target, optional :: options
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: from(2), to(2)
+    from = c_null_ptr
+    to = c_null_ptr
+    if (self%width > 0) then
+      if (.not. right_size("points", "rows", size(points, 1), self%width, stat, errmsg)) return
+    end if
+    if (present(weights)) then
+      if (.not. right_size("weights", "entries", size(weights), size(points, 2), stat, errmsg)) return
+      from(1) = c_loc(weights)
+    end if
+    if (present(options)) from(2) = c_loc(options)
+    if (present(d_points)) then
+      if (.not. of_cloud("d_points", shape(d_points), self%width, self%points, stat, errmsg)) return
+      to(1) = c_loc(d_points)
+    end if
+    if (present(d_normals)) then
+      if (.not. of_cloud("d_normals", shape(d_normals), self%width, self%points, stat, errmsg)) return
+      to(2) = c_loc(d_normals)
+    end if
+    call settle(ko_sensitivity_solve(self%handle, points, from(1), size(points, 2, c_size_t), from(2), self%points, to(1), to(2)), &
+      stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the sensitivity's.
+  pure function sensitivity_c_handle(self) result(handle)
+    class(keepout_sensitivity), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
   ! ---- Other formulations
 
   ! Of the points of `cloud`, to which it does not refer.
@@ -2453,6 +2639,11 @@ contains
     call self%free()
   end subroutine
 
+  impure elemental subroutine sensitivity_final(self)
+    type(keepout_sensitivity), intent(inout) :: self
+    call self%free()
+  end subroutine
+
   impure elemental subroutine explicit_final(self)
     type(keepout_explicit), intent(inout) :: self
     call self%free()
@@ -2488,6 +2679,14 @@ contains
     class(keepout_constraints), intent(inout) :: left
     class(keepout_constraints), intent(in) :: right
     if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: keepout_constraints cannot be assigned"
+  end subroutine
+
+  subroutine sensitivity_assign(left, right)
+    class(keepout_sensitivity), intent(inout) :: left
+    class(keepout_sensitivity), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) then
+      error stop "keepout: a keepout_sensitivity cannot be assigned"
+    end if
   end subroutine
 
   subroutine explicit_assign(left, right)
@@ -2587,6 +2786,17 @@ contains
     character(len=*), intent(inout), optional :: errmsg
     has_room = failed == 0
     if (.not. has_room) call conclude(KO_ERR_OUT_OF_MEMORY, "there is no memory for the arrays to copy to", stat, errmsg)
+  end function
+
+  ! Whether an array has an entry for each coordinate of a cloud's points; of nothing held the call tells.
+  logical function of_cloud(name, found, width, points, stat, errmsg)
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: found(2), width
+    integer(c_size_t), intent(in) :: points
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    of_cloud = width == 0
+    if (.not. of_cloud) of_cloud = right_shape(name, found, [width, int(points)], stat, errmsg)
   end function
 
   subroutine refuse(message, stat, errmsg)

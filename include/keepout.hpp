@@ -268,6 +268,8 @@ std::int32_t listened(const Options &options, T *&handle, void (*free)(T *), con
 
 } // namespace detail
 
+class Mesh;
+
 /// Points of a surface in space, or of a curve in the plane, with unit normals.
 class Cloud {
 public:
@@ -362,6 +364,13 @@ public:
         detail::check(ko_cloud_copy_origins(get(), n, origins.triangles.data(), origins.barycentric.data()));
         return origins;
     }
+
+    /// The cloud of the same places on `mesh`: the one that this was sampled from, with its vertices moved.
+    Cloud follow(const Mesh &mesh) const;
+
+    /// Takes derivatives by points and normals, each [dim() * size()] or empty for zeros, back to those by the vertices of `mesh`, into
+    /// `d_vertices` [dim() * mesh.n_vertices()].
+    void pull_back(const Mesh &mesh, Span<const double> d_points, Span<const double> d_normals, Span<double> d_vertices) const;
 
     const ko_cloud *get() const noexcept { return handle_.get(); }
     ko_cloud *get() noexcept { return handle_.get(); }
@@ -525,6 +534,26 @@ private:
     detail::Handle<ko_mesh, ko_mesh_free> handle_;
     std::uint32_t dim_;
 };
+
+inline Cloud Cloud::follow(const Mesh &mesh) const {
+    ko_cloud *handle = nullptr;
+    detail::check(ko_cloud_follow(get(), mesh.get(), &handle));
+    return Cloud(handle);
+}
+
+inline void Cloud::pull_back(const Mesh &mesh, Span<const double> d_points, Span<const double> d_normals,
+                             Span<double> d_vertices) const {
+    const std::size_t n = size();
+    if (!d_points.empty()) {
+        detail::check_size("d_points", d_points.size(), dim_ * n);
+    }
+    if (!d_normals.empty()) {
+        detail::check_size("d_normals", d_normals.size(), dim_ * n);
+    }
+    const std::size_t n_vertices = mesh.n_vertices();
+    detail::check_size("d_vertices", d_vertices.size(), dim_ * n_vertices);
+    detail::check(ko_cloud_pull_back(get(), mesh.get(), d_points.data(), d_normals.data(), n, n_vertices, d_vertices.data()));
+}
 
 /// A level-set function phi, close to the signed distance to a shape.
 class Field {
@@ -700,6 +729,68 @@ private:
     }
 
     detail::Handle<ko_field, ko_field_free> handle_;
+    std::uint32_t dim_;
+};
+
+/// How values of a field change as its cloud does: ready for any number of solves, one a J = sum of w_j phi(x_j).
+class Sensitivity {
+public:
+    /// Takes ownership of `handle`, made for a cloud of `n_points` points of dimension `dim`.
+    explicit Sensitivity(ko_sensitivity *handle, std::size_t n_points, std::uint32_t dim) noexcept
+        : handle_(handle), n_points_(n_points), dim_(dim) {}
+
+    /// Of `field` with respect to `cloud`, to which it was fitted with `options`; it refers to neither.
+    static Sensitivity create(const Field &field, const Cloud &cloud, const FitOptions &options = {}) {
+        const std::size_t n_points = cloud.size();
+        ko_sensitivity *handle = nullptr;
+        detail::listened<ko_fit_options>(options, handle, ko_sensitivity_free,
+                                         [&](const ko_fit_options &plain, ko_sensitivity **sensitivity) {
+                                             return ko_sensitivity_create(field.get(), cloud.get(), &plain, sensitivity);
+                                         });
+        return Sensitivity(handle, n_points, cloud.dim());
+    }
+
+    /// Points of the cloud.
+    std::size_t n_points() const noexcept { return n_points_; }
+
+    /// dJ by points and normals of the cloud, each [dim * n_points()] or empty where not wanted, of J over points [dim * n] with weights
+    /// [n], empty for ones; to the tolerance of create's options.
+    void solve(Span<const double> points, Span<const double> weights, Span<double> d_points, Span<double> d_normals = {}) {
+        const std::size_t n = check(points, weights, d_points, d_normals);
+        detail::check(ko_sensitivity_solve(get(), points.data(), weights.data(), n, nullptr, n_points_, d_points.data(),
+                                           d_normals.data()));
+    }
+
+    /// The same to the tolerance, with the threads and the on_progress of `options`.
+    void solve(Span<const double> points, Span<const double> weights, const FitOptions &options, Span<double> d_points,
+               Span<double> d_normals = {}) {
+        const std::size_t n = check(points, weights, d_points, d_normals);
+        detail::listened<ko_fit_options>(options, [&](const ko_fit_options &plain) {
+            return ko_sensitivity_solve(get(), points.data(), weights.data(), n, &plain, n_points_, d_points.data(),
+                                        d_normals.data());
+        });
+    }
+
+    const ko_sensitivity *get() const noexcept { return handle_.get(); }
+    ko_sensitivity *get() noexcept { return handle_.get(); }
+
+private:
+    std::size_t check(Span<const double> points, Span<const double> weights, Span<double> d_points, Span<double> d_normals) const {
+        const std::size_t n = detail::count("points", points.size(), dim_);
+        if (!weights.empty()) {
+            detail::check_size("weights", weights.size(), n);
+        }
+        if (!d_points.empty()) {
+            detail::check_size("d_points", d_points.size(), dim_ * n_points_);
+        }
+        if (!d_normals.empty()) {
+            detail::check_size("d_normals", d_normals.size(), dim_ * n_points_);
+        }
+        return n;
+    }
+
+    detail::Handle<ko_sensitivity, ko_sensitivity_free> handle_;
+    std::size_t n_points_;
     std::uint32_t dim_;
 };
 

@@ -7,7 +7,7 @@
 Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous, aligned float64 is handed over as it is, all
 else is copied first; complex numbers and masked entries are refused. eval_into, values_into and their like write to arrays of the
 caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
-Handles. Mesh, Cloud, Field, Body, Constraints and Explicit free what they hold with the last reference to them, at the end of a
+Handles. Mesh, Cloud, Field, Sensitivity, Body, Constraints and Explicit free what they hold with the last reference to them, at the end of a
 `with` block, or by close().
 Errors. A call that fails raises Error, with the library's message and its status.
 Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
@@ -84,6 +84,7 @@ class Reweight(enum.IntEnum):
 
     LARGEST = 0
     ROBUST = 1
+    KEEP = 2
 
 
 class Aggregate(enum.IntEnum):
@@ -174,6 +175,10 @@ class ko_cloud(ctypes.Structure):
 
 
 class ko_field(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_sensitivity(ctypes.Structure):
     """Opaque."""
 
 
@@ -440,6 +445,7 @@ _library = _load()
 _mesh = POINTER(ko_mesh)
 _cloud = POINTER(ko_cloud)
 _field = POINTER(ko_field)
+_sensitivity = POINTER(ko_sensitivity)
 _body = POINTER(ko_body)
 _constraints = POINTER(ko_constraints)
 _explicit = POINTER(ko_explicit)
@@ -664,6 +670,27 @@ _constraints_hessian = _bind(
     "ko_constraints_hessian", c_int32, _constraints, _doubles, c_size_t, _doubles, c_size_t, c_size_t, _doubles
 )
 
+_cloud_follow = _bind("ko_cloud_follow", c_int32, _cloud, _mesh, POINTER(_cloud))
+_cloud_pull_back = _bind(
+    "ko_cloud_pull_back", c_int32, _cloud, _mesh, _doubles, _doubles, c_size_t, c_size_t, _doubles
+)
+_sensitivity_create = _bind(
+    "ko_sensitivity_create", c_int32, _field, _cloud, POINTER(ko_fit_options), POINTER(_sensitivity)
+)
+_sensitivity_solve = _bind(
+    "ko_sensitivity_solve",
+    c_int32,
+    _sensitivity,
+    _doubles,
+    _doubles,
+    c_size_t,
+    POINTER(ko_fit_options),
+    c_size_t,
+    _doubles,
+    _doubles,
+)
+_sensitivity_free = _bind("ko_sensitivity_free", None, _sensitivity)
+
 _explicit_options_init = _bind("ko_explicit_options_init", c_int32, POINTER(ko_explicit_options), c_size_t)
 _explicit_create = _bind("ko_explicit_create", c_int32, _cloud, POINTER(ko_explicit_options), POINTER(_explicit))
 _explicit_free = _bind("ko_explicit_free", None, _explicit)
@@ -746,6 +773,16 @@ def _indices_of(name: str, array: npt.ArrayLike, width: Optional[int], type_: An
         if given.dtype.kind not in "iu" or given.min() < 0 or given.max() > np.iinfo(type_).max:
             raise _wrong(f"{name} holds {given.dtype}; indices from 0 are needed")
     return _numbers(name, array if np.ma.is_masked(array) else given, width, type_)
+
+
+def _one_for_each(n: int, name: str, array: Optional[npt.ArrayLike], width: Optional[int]) -> Optional[Array]:
+    """`array` as _numbers has it, with `n` rows."""
+    if array is None:
+        return None
+    numbers = _numbers(name, array, width)
+    if len(numbers) != n:
+        raise _wrong(f"{name} has {len(numbers)} rows; {n} are needed")
+    return numbers
 
 
 def _room(name: str, array: Optional[Array], shape: tuple[int, ...], type_: Any = np.float64) -> Optional[Array]:
@@ -1195,6 +1232,23 @@ class Cloud(_Handle):
         _check(_cloud_copy_origins(self, n, _at(origins.triangles, c_uint32), _at(origins.barycentric)))
         return origins
 
+    def follow(self, mesh: Mesh) -> Cloud:
+        """The cloud of the same places on `mesh`: the one that this was sampled from, with its vertices moved."""
+        handle = _cloud()
+        _check(_cloud_follow(self, mesh, ctypes.byref(handle)))
+        return Cloud(handle)
+
+    def pull_back(
+        self, mesh: Mesh, d_points: Optional[npt.ArrayLike] = None, d_normals: Optional[npt.ArrayLike] = None
+    ) -> Array:
+        """Takes derivatives by points and normals, each [n, dim] or None for zeros, back to those by vertices of `mesh`, [n_vertices, dim]."""
+        n = len(self)
+        d_points = _one_for_each(n, "d_points", d_points, self.dim)
+        d_normals = _one_for_each(n, "d_normals", d_normals, self.dim)
+        d_vertices = np.empty((mesh.n_vertices, self.dim))
+        _check(_cloud_pull_back(self, mesh, _at(d_points), _at(d_normals), n, len(d_vertices), _at(d_vertices)))
+        return d_vertices
+
 
 class Estimate(NamedTuple):
     """A cloud whose normals were estimated."""
@@ -1370,6 +1424,61 @@ class Field(_Handle):
         outside = np.empty(len(points), dtype=np.bool_)
         _check(_field_outside_box(self, _at(points), len(points), _at(outside, c_uint8)))
         return outside
+
+
+class Derivatives(NamedTuple):
+    """dJ by a cloud."""
+
+    points: Array
+    """By its points, [n, dim]."""
+    normals: Array
+    """By its normals, [n, dim], at right angles to them."""
+
+
+class Sensitivity(_Handle):
+    """How values of a field change as its cloud does: ready for any number of solves, one a J = sum of w_j phi(x_j)."""
+
+    _free = staticmethod(_sensitivity_free)
+    _pointer = _sensitivity
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        self.shape: tuple[int, int] = (0, 0)
+
+    @classmethod
+    def create(
+        cls, field: Field, cloud: Cloud, options: Optional[FitOptions] = None, progress: Optional[Progress] = None
+    ) -> Sensitivity:
+        """Of `field` with respect to `cloud`, to which it was fitted with `options`; it refers to neither."""
+        plain = ko_fit_options.from_buffer_copy(options or FitOptions())
+        made = _make(cls, plain, progress, lambda own, to: _sensitivity_create(field, cloud, own, to))[0]
+        made.shape = (len(cloud), cloud.dim)
+        return made
+
+    def solve(
+        self,
+        points: npt.ArrayLike,
+        weights: Optional[npt.ArrayLike] = None,
+        options: Optional[FitOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Derivatives:
+        """dJ by points and normals of the cloud, of J over `points` [n, dim] with `weights` [n], None for ones.
+
+        To the tolerance of create's options, or that of `options`.
+        """
+        points = _numbers("points", points, self.shape[1])
+        weights = _one_for_each(len(points), "weights", weights, None)
+        to = Derivatives(np.empty(self.shape), np.empty(self.shape))
+
+        def solve(own: Any) -> int:
+            arrays = (_at(points), _at(weights), len(points))
+            return _sensitivity_solve(self, *arrays, own, self.shape[0], _at(to.points), _at(to.normals))
+
+        if options is None and progress is None:
+            _check(solve(None))
+        else:
+            _listened(ko_fit_options.from_buffer_copy(options or FitOptions()), progress, solve)
+        return to
 
 
 def unpack_hessians(packed: Array) -> Array:

@@ -100,6 +100,13 @@ impl<const D: usize> Data<D> {
         Mass { value: self.share[place], gradient: self.share[place] }
     }
 
+    /// The place of each number in this order.
+    pub(super) fn places(&self) -> Result<Vec<u32>> {
+        let mut places = try_vec(self.number.len(), 0, "the places of the points")?;
+        (0..).zip(&self.number).for_each(|(place, number)| places[*number as usize] = place);
+        Ok(places)
+    }
+
     /// Multiplies what the value of each point counts for by a factor of its own.
     pub(super) fn reweight(&mut self, factors: impl Iterator<Item = f64>) {
         self.mass.iter_mut().zip(factors).for_each(|(mass, factor)| mass.value *= factor);
@@ -301,6 +308,14 @@ impl<const D: usize> DataTerm<D> {
             normals.push(self.data.normals[p]);
         }
         Cloud::new(points, normals)
+    }
+
+    /// The numbers of the points that [`counted`](Self::counted) gives.
+    pub fn counted_numbers(&self) -> Result<Vec<u32>> {
+        let counts = |p: &usize| self.data.counts(*p);
+        let mut numbers = try_with_capacity(self.n_points(), "the numbers of the points that count")?;
+        numbers.extend((0..self.n_points()).filter(counts).map(|p| self.data.number[p]));
+        Ok(numbers)
     }
 
     /// mass lambda_n / h_a of point `p`.

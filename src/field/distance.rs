@@ -17,9 +17,11 @@
 //! positive where the normals point to.
 
 use super::distance_sampler::{DistanceSampler, Hint};
+use super::held::{Held, HeldCell, Hold};
 use crate::Result;
 use crate::error::try_vec;
 use crate::geometry::Cloud;
+use crate::geometry::vec::{norm, sub};
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::spline::Grid;
@@ -40,6 +42,8 @@ pub struct FarDistances {
     share: Vec<f64>,
     /// d, in units of D [cells]
     distance: Vec<f64>,
+    /// The number of the nearest point [cells]
+    nearest: Vec<u32>,
     /// The part of the far cells whose side is clear; 1 where there is none.
     clear: f64,
 }
@@ -65,16 +69,20 @@ impl FarDistances {
         let sampler = DistanceSampler::new(cloud, workers)?;
         let near = NEAREST * grid.longest_cell();
         let (mut distance, mut share) = (try_vec(n, 0.0, "far distances")?, try_vec(n, 0.0, "far distances")?);
-        let mut chunks = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).enumerate();
+        let mut nearest = try_vec(n, 0, "far distances")?;
+        let of_cells = distance.chunks_mut(CHUNK).zip(share.chunks_mut(CHUNK)).zip(nearest.chunks_mut(CHUNK));
+        let mut chunks = of_cells.enumerate();
         // Some chunks at a time, so that the caller hears of them.
         for done in (0..n).step_by(ROUND * CHUNK) {
             tell(done as f64 / n as f64)?;
-            workers.for_each(chunks.by_ref().take(ROUND), |(chunk, (distance, share))| {
+            workers.for_each(chunks.by_ref().take(ROUND), |(chunk, ((distance, share), nearest))| {
                 let mut hint = Hint::default();
-                for (i, (d, s)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share)) {
-                    let x = center(grid, i);
-                    (*d, _) = sampler.nearest(x, &mut hint);
+                for (i, ((d, s), nearest)) in (chunk * CHUNK..).zip(distance.iter_mut().zip(share).zip(nearest)) {
+                    let (x, place);
+                    x = center(grid, i);
+                    (*d, place) = sampler.nearest(x, &mut hint);
                     if *d > near {
+                        *nearest = sampler.number(place);
                         (*d, *s) = sampler.side(x, *d, &mut hint);
                         *s /= n as f64;
                     }
@@ -87,7 +95,29 @@ impl FarDistances {
             n_clear += u64::from(s * n as f64 >= CLEAR);
         }
         let clear = if n_far == 0 { 1.0 } else { n_clear as f64 / n_far as f64 };
-        Ok(FarDistances { share, distance, clear })
+        Ok(FarDistances { share, distance, nearest, clear })
+    }
+
+    /// The distances of the cells `held` from the points that were nearest, `place` of their numbers; all in units of D.
+    pub(super) fn kept<const D: usize>(held: &Held, grid: &Grid<D>, place: impl Fn(u32) -> [f64; D]) -> Result<Self> {
+        let n = grid.n_cells().iter().product();
+        let room = || try_vec(n, 0.0, "far distances");
+        let mut far = FarDistances { share: room()?, distance: room()?, nearest: Vec::new(), clear: held.clear() };
+        for HeldCell { cell, point, side } in held.cells() {
+            let c = *cell as usize;
+            far.share[c] = side.abs() / n as f64;
+            far.distance[c] = norm(sub(place(*point), center(grid, c))).copysign(*side);
+        }
+        Ok(far)
+    }
+
+    /// The cells in which they are held, of points that have these `numbers` in the cloud.
+    pub(super) fn held(&self, numbers: &[u32]) -> Result<Option<Held>> {
+        let n = self.share.len() as f64;
+        let cells = self.share.iter().zip(&self.distance).zip(&self.nearest).enumerate();
+        let far = cells.filter(|(_, ((share, _), _))| **share > 0.0);
+        let held = far.map(|(c, ((share, d), i))| (c, numbers[*i as usize], (share * n).copysign(*d)));
+        Held::new(held, self.clear)
     }
 }
 
@@ -120,18 +150,12 @@ impl<const D: usize> DistanceTerm<D> {
         Ok(DistanceTerm { centers: Centers::new(grid)?, mass, distance, values })
     }
 
-    /// The cells in which distances are held: their middles, masses and d; `grid` is the finest.
-    pub fn held<'a>(&'a self, grid: &'a Grid<D>) -> impl Iterator<Item = ([f64; D], f64, f64)> + Clone + 'a {
-        let cells = self.mass.iter().zip(&self.distance).enumerate().filter(|(_, (m, _))| **m > 0.0);
-        cells.map(|(c, (m, d))| (center(grid, c), *m, *d))
-    }
-
-    /// Holds in the same cells, as much and with the same sign, what `distance` gives for their middles.
-    #[cfg(test)]
-    pub fn hold_instead(&mut self, grid: &Grid<D>, distance: impl Fn([f64; D]) -> f64) {
-        for (c, (d, _)) in self.distance.iter_mut().zip(&self.mass).enumerate().filter(|(_, (_, m))| **m > 0.0) {
-            *d = distance(center(grid, c)).copysign(*d);
-        }
+    /// The cells `held`, as the term has them; `grid` is the finest.
+    pub(super) fn holds(&self, held: &Held, grid: &Grid<D>) -> impl Iterator<Item = Hold<D>> + Clone {
+        held.cells().iter().map(|HeldCell { cell, point, side }| {
+            let c = *cell as usize;
+            Hold { middle: center(grid, c), mass: self.mass[c].copysign(*side), point: *point }
+        })
     }
 
     /// The part of the term that makes its matrix, on `grid`, coarser than this one's by twice along the axes for which `halved` is true:

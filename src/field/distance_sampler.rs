@@ -33,15 +33,20 @@ impl<const D: usize> DistanceSampler<D> {
         Ok(DistanceSampler { sides, turns, same })
     }
 
-    /// |d| at `x`, and the number of the nearest point.
+    /// |d| at `x`, and the place of the nearest point.
     pub fn nearest(&self, x: [f64; D], hint: &mut Hint) -> (f64, u32) {
         let d = self.sides.nearest(x, &mut hint.point);
         (d, hint.point as u32)
     }
 
-    /// The point of a number.
-    pub fn point(&self, number: u32) -> [f64; D] {
-        self.sides.point(number as usize)
+    /// The point at a place.
+    pub fn point(&self, place: u32) -> [f64; D] {
+        self.sides.point(place as usize)
+    }
+
+    /// The number in the cloud of the point at a place; of copies, that of the first.
+    pub fn number(&self, place: u32) -> u32 {
+        self.sides.number(place as usize)
     }
 
     /// d and s at `x`, of which |d| is `distance`.

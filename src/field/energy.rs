@@ -9,6 +9,7 @@
 
 use super::data::{Data, DataTerm, Misfit};
 use super::distance::{DistanceTerm, FarDistances};
+use super::held::Held;
 use super::levels::{Level, Terms, multigrid};
 use crate::error::try_vec;
 use crate::geometry::Cloud;
@@ -44,6 +45,26 @@ impl<const D: usize> Energy<D> {
         let data = DataTerm::new(data, weights.normal);
         let terms = Terms::new(data.view(grid, [1; D])?, weights.smooth)?;
         Ok(Energy { grid, weights, data, terms })
+    }
+
+    /// Distances to the points that count, and where they are held. `tell` is told the fraction done, and may stop.
+    pub(super) fn measure(
+        &self,
+        workers: &Workers,
+        tell: impl FnMut(f64) -> Result<()>,
+    ) -> Result<(FarDistances, Option<Held>)> {
+        let far = FarDistances::new(self.counted()?, &self.grid, workers, tell)?;
+        let held = far.held(&self.data.counted_numbers()?)?;
+        Ok((far, held))
+    }
+
+    /// Distances where they were `held`, to the points as they are now.
+    pub(super) fn keep(&self, held: &Held) -> Result<FarDistances> {
+        let (data, places) = (self.data.points(), self.data.points().places()?);
+        FarDistances::kept(held, &self.grid, |number| {
+            let xi = data.xi[places[number as usize] as usize];
+            std::array::from_fn(|a| xi[a] * self.grid.axes[a].cell)
+        })
     }
 
     /// Adds the distance term for `far`, with weight `relative` lambda_r / h^4.

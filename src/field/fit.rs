@@ -1,8 +1,8 @@
 //! The fit: paper 000's Algorithm 1, steps 2 to 4.
 
 use super::data::{Data, Misfit};
-use super::distance::FarDistances;
 use super::energy::Energy;
+use super::held::Held;
 use super::levels;
 use super::refined::fit::Spline;
 use super::refined::{self, Refined};
@@ -46,8 +46,9 @@ pub fn memory<const D: usize>(n_points: u128, shape: [u128; D]) -> u128 {
     // A point: its coordinates, normal, origin and weight; the same in the order of cells, its share, masses, number, misfit and place; what
     // the field remembers of it; its copy in units of D; its surfel with the trees that measure distances to it.
     let point = (24 + 24 + 32 + 8) + (24 + 24 + 8 + 16 + 4 + 32 + 16) + (24 + 4) + 48 + 450;
-    // An unknown: the solution and the right-hand side, four vectors of the solve, one of the preconditioner, eight of the distances.
-    let unknown = 8 * (2 + 4 + 1 + 8);
+    // An unknown: the solution and the right-hand side, four vectors of the solve, one of the preconditioner, eight of the distances, where
+    // they are held and from which point.
+    let unknown = 8 * (2 + 4 + 1 + 8) + 16 + 4;
     let in_space = std::array::from_fn(|a| if a + D >= 3 { shape[a + D - 3] } else { 1 });
     n_points * point + shape.iter().product::<u128>() * unknown + Smoothness::bytes(in_space)
 }
@@ -70,14 +71,15 @@ impl<const D: usize> Field<D> {
         check_size(n_points, &grid, options.memory_limit)?;
         let counted = cloud.counted()?;
         let cloud = counted.as_ref().unwrap_or(cloud);
+        let d = domain::diagonal(&cloud.bounds())?;
         if refines {
             let tree = Tree::new(grid)?;
             let space = refined::fit::functions(&tree, n_points, options.memory_limit)?;
             let x = try_vec(space.n_numbers(), 0.0, "the control points")?;
-            fit_tree(Start { at: Spline { tree, space, x }, kept: None }, cloud, options, progress)
+            fit_tree(Start { at: Spline { tree, space, x }, d, kept: None }, cloud, options, progress)
         } else {
             let at = try_vec(grid.n_control(), 0.0, "the control points")?;
-            fit_on(grid, Start { at, kept: None }, cloud, options, progress)
+            fit_on(grid, Start { at, d, kept: None }, cloud, options, progress)
         }
     }
 
@@ -106,10 +108,12 @@ impl<const D: usize> Field<D> {
             )));
         }
         let kept = self.kept(n_points, options)?;
+        // What is kept was weighed in this unit.
+        let d = if kept.is_some() { self.diagonal } else { d };
         if self.refined.is_none() && options.max_error == 0.0 {
             let mut at = try_vec(self.coefficients.len(), 0.0, "the control points")?;
             at.iter_mut().zip(&self.coefficients).for_each(|(x, c)| *x = c / d);
-            return fit_on(self.grid, Start { at, kept }, cloud, options, progress);
+            return fit_on(self.grid, Start { at, d, kept }, cloud, options, progress);
         }
         let tree = self.refined.as_ref().map_or_else(|| Tree::new(self.grid), |r| r.tree().try_clone())?;
         let space = refined::fit::functions(&tree, n_points, options.memory_limit)?;
@@ -118,7 +122,7 @@ impl<const D: usize> Field<D> {
             None => space.of_grid(self.grid.shape(), &self.coefficients)?,
         };
         x.iter_mut().for_each(|x| *x /= d);
-        fit_tree(Start { at: Spline { tree, space, x }, kept }, cloud, options, progress)
+        fit_tree(Start { at: Spline { tree, space, x }, d, kept }, cloud, options, progress)
     }
 
     /// What the points counted for in this field's fit, where `options` ask to keep it for `n_points` points.
@@ -175,6 +179,8 @@ impl<const D: usize> Field<D> {
 struct Start<'a, T> {
     /// Control points, in units of D.
     at: T,
+    /// D
+    d: f64,
     /// What the points are to count for, where they are not to be reweighted.
     kept: Option<&'a Weighed>,
 }
@@ -182,27 +188,25 @@ struct Start<'a, T> {
 /// The fit on `grid` from `start` on.
 fn fit_on<const D: usize>(
     grid: Grid<D>,
-    start: Start<Vec<f64>>,
+    Start { at: start, d, kept }: Start<Vec<f64>>,
     cloud: &Cloud<D>,
     options: &FitOptions,
     progress: &mut Progress,
 ) -> Result<Field<D>> {
-    let d = domain::diagonal(&cloud.bounds())?;
     let workers = Workers::new(options.n_threads)?;
     let report = FitReport { n_unknowns: grid.n_control() as u64, n_levels: 1, ..begun(&grid, cloud) };
     progress.tell(0.0, "assembly")?;
     let clock = Instant::now();
     let data = Data::new(cloud, &grid)?;
     let energy = Energy::new(data, in_units_of(&grid, d), options.weights())?;
-    let without_distances = Vec::new();
-    let mut fitting = Fitting { options, workers: &workers, clock, energy, without_distances, report };
-    let mut coefficients = match (start.kept, options.reweighting) {
-        (Some(kept), _) => fitting.as_before(start.at, kept, progress)?,
-        (None, Reweighting::Robust) => fitting.robustly(start.at, progress)?,
-        (None, _) => fitting.against_the_largest_error(start.at, progress)?,
+    let mut fitting = Fitting { options, workers: &workers, clock, energy, held: None, report };
+    let mut coefficients = match (kept, options.reweighting) {
+        (Some(kept), _) => fitting.as_before(start, kept, progress)?,
+        (None, Reweighting::Robust) => fitting.robustly(start, progress)?,
+        (None, _) => fitting.against_the_largest_error(start, progress)?,
     };
     coefficients.iter_mut().for_each(|c| *c *= d);
-    let weighed = Weighed::of(fitting.energy.data().points(), fitting.without_distances)?;
+    let weighed = Weighed::of(fitting.energy.data().points(), fitting.held)?;
     let field = Field::new(grid, coefficients, options.feasible, d, fitting.report);
     Field { weighed, ..field }.checked(cloud, progress)
 }
@@ -210,12 +214,12 @@ fn fit_on<const D: usize>(
 /// The fit from `start` on, with its tree's grid in the caller's units and control points in units of D; refined where it must be. Where
 /// nothing is, the field has one grid.
 fn fit_tree<const D: usize>(
-    Start { at: start, kept }: Start<Spline<D>>,
+    Start { at: start, d, kept }: Start<Spline<D>>,
     cloud: &Cloud<D>,
     options: &FitOptions,
     progress: &mut Progress,
 ) -> Result<Field<D>> {
-    let (grid, d) = (*start.tree.grid(), domain::diagonal(&cloud.bounds())?);
+    let grid = *start.tree.grid();
     let workers = Workers::new(options.n_threads)?;
     let mut report = begun(&grid, cloud);
     let clock = Instant::now();
@@ -224,8 +228,9 @@ fn fit_tree<const D: usize>(
     if let Some(kept) = kept {
         kept.weigh(&mut data);
     }
+    let held = kept.and_then(Weighed::held);
     let start = Spline { tree: start.tree.on(in_units_of(&grid, d)), ..start };
-    let (spline, weighed) = refined::fit::fit(start, data, options, &workers, &mut report, progress)?;
+    let (spline, weighed) = refined::fit::fit(start, (data, held), options, &workers, &mut report, progress)?;
     let Spline { tree, space, mut x } = spline;
     x.iter_mut().for_each(|x| *x *= d);
     let field = if tree.n_levels() == 1 {
@@ -255,8 +260,8 @@ struct Fitting<'a, const D: usize> {
     /// Runs since the last time that it was read.
     clock: Instant,
     energy: Energy<D>,
-    /// Numbers of the points that did not count when distances were measured.
-    without_distances: Vec<u32>,
+    /// Where distances are held.
+    held: Option<Held>,
     report: FitReport,
 }
 
@@ -313,9 +318,16 @@ impl<const D: usize> Fitting<'_, D> {
 
     /// The minimum from `x` on, with points that count for what they are `kept` to count for.
     fn as_before(&mut self, x: Vec<f64>, kept: &Weighed, progress: &mut Progress) -> Result<Vec<f64>> {
-        kept.weigh_for_distances(self.energy.data_mut().points_mut());
-        self.hold_distances(progress)?;
         kept.weigh(self.energy.data_mut().points_mut());
+        match kept.held().filter(|_| self.options.distance_weight > 0.0) {
+            Some(held) => {
+                self.report.clear_sides = held.clear();
+                self.energy.hold(self.energy.keep(held)?, self.options.distance_weight)?;
+                self.held = Some(held.try_clone()?);
+                self.report.seconds_assembly += self.lap();
+            }
+            None => self.hold_distances(progress)?,
+        }
         self.report.n_outliers = self.energy.data().n_left_out() as u64;
         self.solve(x, Round { index: 0, of: 1, tolerance: self.options.tolerance }, progress)
     }
@@ -336,10 +348,10 @@ impl<const D: usize> Fitting<'_, D> {
     fn hold_distances(&mut self, progress: &mut Progress) -> Result<()> {
         if self.options.distance_weight > 0.0 {
             let tell = |fraction| progress.tell(0.01 + 0.09 * fraction, "distances");
-            let far = FarDistances::new(self.energy.counted()?, self.energy.grid(), self.workers, tell)?;
+            let far;
+            (far, self.held) = self.energy.measure(self.workers, tell)?;
             self.report.clear_sides = far.clear();
             self.energy.hold(far, self.options.distance_weight)?;
-            self.without_distances = Weighed::doubtful(self.energy.data().points())?;
         }
         self.report.seconds_assembly += self.lap();
         Ok(())

@@ -53,6 +53,7 @@ pub mod fit;
 pub mod function;
 mod functional;
 mod groups;
+mod held;
 pub mod lattice;
 pub mod level_set;
 mod levels;

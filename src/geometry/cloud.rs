@@ -124,8 +124,9 @@ impl<const D: usize> Cloud<D> {
     }
 
     /// The cloud with points that are given more than once, as the vertices of a triangle soup are, made one where their normals agree:
-    /// it has the mean of their normals. Copies that face against each other are the two sides of a sheet, and stay.
-    pub(crate) fn without_copies(self) -> Result<Self> {
+    /// it has the mean of their normals. Copies that face against each other are the two sides of a sheet, and stay. With the numbers of
+    /// the points that are left, of the first of copies; `None` where all are.
+    pub(crate) fn without_copies(self) -> Result<(Self, Option<Vec<u32>>)> {
         let mut order = try_with_capacity(self.len(), "the order of the points")?;
         order.extend(0..self.len());
         // -0.0 + 0.0 is 0.0: the two zeros are one place.
@@ -135,9 +136,10 @@ impl<const D: usize> Cloud<D> {
         };
         order.sort_unstable_by(|i, j| by_place(&place(i), &place(j)).then(i.cmp(j)));
         if order.windows(2).all(|pair| place(&pair[0]) != place(&pair[1])) {
-            return Ok(self);
+            return Ok((self, None));
         }
         let mut points = try_with_capacity(self.len(), "the points given once")?;
+        let mut numbers = try_with_capacity(self.len(), "the numbers of the points given once")?;
         let mut normals: Vec<[f64; D]> = try_with_capacity(self.len(), "the normals of the points given once")?;
         for copies in order.chunk_by(|i, j| place(i) == place(j)) {
             let first = points.len();
@@ -147,12 +149,13 @@ impl<const D: usize> Cloud<D> {
                     Some(sum) => *sum = add(*sum, normal),
                     None => {
                         points.push(self.points[i]);
+                        numbers.push(i as u32);
                         normals.push(normal);
                     }
                 }
             }
         }
-        Cloud::new(points, normals)
+        Ok((Cloud::new(points, normals)?, Some(numbers)))
     }
 
     /// Number of points N.
@@ -199,11 +202,12 @@ mod tests {
     fn copies_that_face_alike_become_one_point_with_the_mean_normal() {
         let (up, down, side) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [0.6, 0.0, 0.8]);
         let points = vec![[1.0; 3], [0.0; 3], [1.0; 3], [-0.0; 3], [1.0; 3]];
-        let cloud = Cloud::new(points, vec![up, up, side, down, up]).unwrap().without_copies().unwrap();
+        let (cloud, numbers) = Cloud::new(points, vec![up, up, side, down, up]).unwrap().without_copies().unwrap();
+        assert_eq!(numbers, Some(vec![1, 3, 0]));
         assert_eq!(cloud.points(), [[0.0; 3], [0.0; 3], [1.0; 3]]);
         assert_eq!(cloud.normals()[..2], [up, down]);
         assert_eq!(Some(cloud.normals()[2]), normalized([0.6, 0.0, 2.8]));
-        let kept = Cloud::new(vec![[2.0; 3], [1.0; 3]], vec![up, down]).unwrap().without_copies().unwrap();
-        assert_eq!(kept.points(), [[2.0; 3], [1.0; 3]]);
+        let (kept, numbers) = Cloud::new(vec![[2.0; 3], [1.0; 3]], vec![up, down]).unwrap().without_copies().unwrap();
+        assert!(kept.points() == [[2.0; 3], [1.0; 3]] && numbers.is_none());
     }
 }

@@ -87,6 +87,8 @@ impl<const D: usize> Sides<D> {
 pub(crate) struct NearSides<const D: usize> {
     /// Without copies.
     points: Neighbours<D>,
+    /// Their numbers in the cloud; `None` where there were no copies.
+    numbers: Option<Vec<u32>>,
     surfels: DistanceTree<D>,
     /// Points at which W beside the surface is known.
     probes: Neighbours<D>,
@@ -109,7 +111,7 @@ impl<const D: usize> NearSides<D> {
     pub fn new(cloud: Cloud<D>, workers: &Workers) -> Result<Self> {
         const CHUNK: usize = 256;
         // Copies of a point have no room between them, and their surfels no area.
-        let cloud = cloud.without_copies()?;
+        let (cloud, numbers) = cloud.without_copies()?;
         let points = Neighbours::new(cloud.points())?;
         let surfels = cloud.surfels(&points)?;
         let tree = DistanceTree::of_surfels(&surfels)?;
@@ -144,7 +146,7 @@ impl<const D: usize> NearSides<D> {
                 *w = mean(nearest[..found].iter().map(|n| of_one[n.index as usize]));
             }
         });
-        Ok(NearSides { points, surfels: tree, probes, beside })
+        Ok(NearSides { points, numbers, surfels: tree, probes, beside })
     }
 
     /// The distance of the point nearest to `x`, whose place in order goes into `hint`, as [`Neighbours::nearest_from`] takes it.
@@ -155,6 +157,12 @@ impl<const D: usize> NearSides<D> {
     /// The point at `place` in order.
     pub fn point(&self, place: usize) -> [f64; D] {
         self.points.at(place)
+    }
+
+    /// The number in the cloud of the point at `place` in order; of copies, that of the first.
+    pub fn number(&self, place: usize) -> u32 {
+        let number = self.points.order()[place];
+        self.numbers.as_ref().map_or(number, |numbers| numbers[number as usize])
     }
 
     /// W, to about 0.1.

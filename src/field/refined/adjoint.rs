@@ -1,12 +1,13 @@
 //! What the adjoint of a refined fit asks of its form: see [`sensitivity`](super::super::sensitivity).
 
 use super::super::data::Mass;
-use super::energy::{RefinedEnergy, middle};
+use super::super::held::{Held, Hold};
+use super::energy::{Far, RefinedEnergy, middle};
 use crate::Result;
 use crate::error::try_vec;
 use crate::par::Workers;
 use crate::spline::hierarchical::per_pack;
-use crate::spline::tree::{Tile, in_tile};
+use crate::spline::tree::{SIDE, Tile, in_tile};
 
 impl<const D: usize> RefinedEnergy<D> {
     /// What each point counts for: its number, and its masses, of which that of the gradient is times lambda_n.
@@ -21,33 +22,42 @@ impl<const D: usize> RefinedEnergy<D> {
         })
     }
 
-    /// The cells in which distances are held: their middles from the lower corner of the box on, masses and d.
-    pub fn held(&self) -> impl Iterator<Item = ([f64; D], f64, f64)> + Clone {
+    /// The cells in which distances are held, as a field remembers them: where no tile is cut, those of the grid.
+    pub fn held(&self) -> Result<Option<Held>> {
+        let Some(far) = &self.far else { return Ok(None) };
+        let (n, n_cells, whole) = (per_pack::<D>(), self.tree.grid().n_cells(), self.tree.n_levels() == 1);
+        let cells = self.held_cells(far).map(|(tile, cell)| {
+            let (at, side): ([usize; D], _) = (in_tile(cell % n), far.mass[cell] / self.levels[tile.level as usize].distance_weight);
+            let row_major = || (0..D).fold(0, |c, a| c * n_cells[a] + SIDE * tile.place[a] as usize + at[a]);
+            (if whole { row_major() } else { cell }, far.number(cell), side.copysign(far.distance[cell]))
+        });
+        Held::new(cells, self.clear())
+    }
+
+    /// The same, as the form has them.
+    pub fn holds(&self) -> impl Iterator<Item = Hold<D>> + Clone {
         let n = per_pack::<D>();
-        let tiles = self.far.iter().flat_map(move |far| far.mass.chunks(n).zip(far.distance.chunks(n)));
-        let leaves = self.tree.tiles().iter().zip(tiles).filter(|(tile, _)| tile.is_leaf());
-        leaves.flat_map(move |(tile, (mass, distance))| {
-            let held = mass.iter().zip(distance).enumerate().filter(|(_, (m, _))| **m > 0.0);
-            held.map(move |(c, (m, d))| (self.middle(tile, c), *m, *d))
+        let far = self.far.iter();
+        far.flat_map(move |far| {
+            self.held_cells(far).map(move |(tile, cell)| Hold {
+                middle: self.middle(tile, cell % n),
+                mass: far.mass[cell].copysign(far.distance[cell]),
+                point: far.number(cell),
+            })
         })
     }
 
-    /// Holds in the cells in which `other`, on the same tree, does, as much and with the same sign, what `distance` gives for their middles.
-    #[cfg(test)]
-    pub fn hold_as(&mut self, other: &Self, distance: impl Fn([f64; D]) -> f64) {
-        let Some((mut far, theirs)) = self.far.take().zip(other.far.as_ref()) else { return };
+    /// The cells of leaves in which distances are held, each with its tile.
+    fn held_cells<'a>(&'a self, far: &'a Far<D>) -> impl Iterator<Item = (&'a Tile<D>, usize)> + Clone {
         let n = per_pack::<D>();
-        far.mass.copy_from_slice(&theirs.mass);
-        for (i, tile) in self.tree.tiles().iter().enumerate().filter(|(_, t)| t.is_leaf()) {
-            for c in (0..n).filter(|c| far.mass[i * n + c] > 0.0) {
-                far.distance[i * n + c] = distance(self.middle(tile, c)).copysign(theirs.distance[i * n + c]);
-            }
-        }
-        self.far = Some(far);
+        let leaves = self.tree.tiles().iter().enumerate().filter(|(_, tile)| tile.is_leaf());
+        leaves.flat_map(move |(i, tile)| {
+            (n * i..n * (i + 1)).filter(|cell| far.mass[*cell] > 0.0).map(move |cell| (tile, cell))
+        })
     }
 
     /// The middle of cell `c` of `tile`.
-    fn middle(&self, tile: &Tile<D>, c: usize) -> [f64; D] {
+    pub(super) fn middle(&self, tile: &Tile<D>, c: usize) -> [f64; D] {
         middle(tile, &self.levels[tile.level as usize].per_cell, in_tile(c))
     }
 

@@ -4,10 +4,12 @@ use super::super::data::Data;
 use super::super::distance::CLEAR;
 use super::super::distance_sampler::{DistanceSampler, Hint};
 use super::super::energy::{self, EnergyWeights};
+use super::super::held::{Held, HeldCell};
 use super::leaf_terms::{Diagonal, Errors, LeafTerm, Product, RightHandSide, Strays, Tables};
 use crate::Result;
 use crate::error::{try_reserve_exact, try_vec, try_with_capacity};
 use crate::geometry::Cloud;
+use crate::geometry::vec::{norm, sub};
 use crate::isa::dispatch;
 use crate::linalg::cg;
 use crate::linalg::vector::update;
@@ -80,9 +82,13 @@ const ROUND: usize = 64 * CHUNK;
 
 /// Distances to hold.
 pub(super) struct Far<const D: usize> {
-    sampler: DistanceSampler<D>,
+    /// `None` where distances stay held where they were.
+    sampler: Option<DistanceSampler<D>>,
+    /// Numbers in the cloud of the points that the sampler has; none without one.
+    pub(super) numbers: Vec<u32>,
     holding: Holding,
-    /// The point nearest to the middle of each cell of leaves, by its number in the sampler [tiles][4^D].
+    /// The point nearest to the middle of each cell of leaves, by its place in the sampler, or without one by its number in the cloud
+    /// [tiles][4^D].
     nearest: Vec<u32>,
     /// d in the middle of each cell, and lambda_d times its share of the cells; of a tile that is cut only the shares, as its parts have them
     /// [tiles][4^D].
@@ -90,6 +96,48 @@ pub(super) struct Far<const D: usize> {
     pub(super) mass: Vec<f64>,
     /// Cells of leaves that are far, and those of them whose side is clear.
     counts: [u64; 2],
+}
+
+impl<const D: usize> Far<D> {
+    /// Without distances.
+    fn none_yet(holding: Holding) -> Self {
+        let (numbers, nearest, distance, mass) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Far { sampler: None, numbers, holding, nearest, distance, mass, counts: [0; 2] }
+    }
+
+    /// The number in the cloud of the point nearest to a cell.
+    pub(super) fn number(&self, cell: usize) -> u32 {
+        match &self.sampler {
+            Some(sampler) => self.numbers[sampler.number(self.nearest[cell]) as usize],
+            None => self.nearest[cell],
+        }
+    }
+
+    /// The masses of tiles that are cut, from those of their parts, and how many cells are far.
+    fn sum_up(&mut self, tree: &Tree<D>, levels: &[LevelTerms<D>]) {
+        let n = per_pack::<D>();
+        // Parts come after what they are parts of.
+        for i in (0..tree.tiles().len()).rev() {
+            let tile = tree.tiles()[i];
+            if tile.is_leaf() {
+                continue;
+            }
+            self.mass[i * n..(i + 1) * n].fill(0.0);
+            for part in 0..1_usize << D {
+                for c in 0..n {
+                    let at: [usize; D] = in_tile(c);
+                    let to = (0..D).fold(0, |to, a| SIDE * to + (at[a] + SIDE * (part >> (D - 1 - a) & 1)) / 2);
+                    self.mass[i * n + to] += self.mass[(tile.child as usize + part) * n + c];
+                }
+            }
+        }
+        self.counts = [0; 2];
+        for (tile, mass) in tree.tiles().iter().zip(self.mass.chunks(n)).filter(|(t, _)| t.is_leaf()) {
+            let whole = levels[tile.level as usize].distance_weight;
+            let of = |least: f64| mass.iter().filter(|m| **m > least * whole).count() as u64;
+            self.counts = [self.counts[0] + of(0.0), self.counts[1] + of(CLEAR)];
+        }
+    }
 }
 
 impl<const D: usize> RefinedEnergy<D> {
@@ -104,18 +152,57 @@ impl<const D: usize> RefinedEnergy<D> {
         mut tell: impl FnMut() -> Result<()>,
     ) -> Result<Self> {
         let far = if holding.weight > 0.0 {
+            let mut numbers = try_with_capacity(data.number.len(), "the numbers of the points")?;
+            numbers.extend_from_slice(&data.number);
             let axes = tree.grid().axes;
             let mut points = try_with_capacity(data.xi.len(), "the points in units of D")?;
             points.extend(data.xi.iter().map(|xi| std::array::from_fn(|a| xi[a] * axes[a].cell)));
             let mut normals = try_with_capacity(data.xi.len(), "the normals")?;
             normals.extend_from_slice(&data.normals);
             tell()?;
-            let sampler = DistanceSampler::new(Cloud::new(points, normals)?, workers)?;
-            let (nearest, distance, mass) = (Vec::new(), Vec::new(), Vec::new());
-            Some(Far { sampler, holding, nearest, distance, mass, counts: [0; 2] })
+            let sampler = Some(DistanceSampler::new(Cloud::new(points, normals)?, workers)?);
+            Some(Far { sampler, numbers, ..Far::none_yet(holding) })
         } else {
             None
         };
+        RefinedEnergy::of((tree, space), data, weights, far, workers, tell)
+    }
+
+    /// The same with distances where they were `held`, to the points as they are now; the tree is the one of then.
+    pub fn keeping(
+        parts: (Tree<D>, Space<D>),
+        data: Data<D>,
+        weights: EnergyWeights,
+        (holding, held): (Holding, &Held),
+        workers: &Workers,
+        tell: impl FnMut() -> Result<()>,
+    ) -> Result<Self> {
+        let far = (holding.weight > 0.0).then(|| Far::none_yet(holding));
+        let mut energy = RefinedEnergy::of(parts, data, weights, far, workers, tell)?;
+        let Some(mut far) = energy.far.take() else { return Ok(energy) };
+        let (places, axes, n) = (energy.data.places()?, energy.tree.grid().axes, per_pack::<D>());
+        for HeldCell { cell, point, side } in held.cells() {
+            let c = *cell as usize;
+            let tile = &energy.tree.tiles()[c / n];
+            let xi = energy.data.xi[places[*point as usize] as usize];
+            let p = std::array::from_fn(|a| xi[a] * axes[a].cell);
+            far.nearest[c] = *point;
+            far.distance[c] = norm(sub(p, energy.middle(tile, c % n))).copysign(*side);
+            far.mass[c] = energy.levels[tile.level as usize].distance_weight * side.abs();
+        }
+        far.sum_up(&energy.tree, &energy.levels);
+        energy.far = Some(far);
+        Ok(energy)
+    }
+
+    fn of(
+        (tree, space): (Tree<D>, Space<D>),
+        data: Data<D>,
+        weights: EnergyWeights,
+        far: Option<Far<D>>,
+        workers: &Workers,
+        tell: impl FnMut() -> Result<()>,
+    ) -> Result<Self> {
         let mut energy = RefinedEnergy {
             tree,
             space,
@@ -272,7 +359,7 @@ impl<const D: usize> RefinedEnergy<D> {
             let spacing = SIDE as f64 / (points[leaf].len().max(1) as f64).powf(1.0 / (D - 1) as f64);
             cell * holding.nearest.max(holding.spacings * spacing)
         };
-        let sampler = &far.sampler;
+        let Some(sampler) = &far.sampler else { return Ok(()) };
         let cells = far.nearest.chunks_mut(n).zip(far.distance.chunks_mut(n)).zip(far.mass.chunks_mut(n));
         let mut of_tiles = tree.tiles().iter().zip(cells);
         for _ in (0..tree.tiles().len()).step_by(ROUND) {
@@ -302,27 +389,7 @@ impl<const D: usize> RefinedEnergy<D> {
                 }
             });
         }
-        // Parts come after what they are parts of.
-        for i in (0..tree.tiles().len()).rev() {
-            let tile = tree.tiles()[i];
-            if tile.is_leaf() {
-                continue;
-            }
-            far.mass[i * n..(i + 1) * n].fill(0.0);
-            for part in 0..1_usize << D {
-                for c in 0..n {
-                    let at: [usize; D] = in_tile(c);
-                    let to = (0..D).fold(0, |to, a| SIDE * to + (at[a] + SIDE * (part >> (D - 1 - a) & 1)) / 2);
-                    far.mass[i * n + to] += far.mass[(tile.child as usize + part) * n + c];
-                }
-            }
-        }
-        far.counts = [0; 2];
-        for (tile, mass) in tree.tiles().iter().zip(far.mass.chunks(n)).filter(|(t, _)| t.is_leaf()) {
-            let whole = levels[tile.level as usize].distance_weight;
-            let of = |least: f64| mass.iter().filter(|m| **m > least * whole).count() as u64;
-            far.counts = [far.counts[0] + of(0.0), far.counts[1] + of(CLEAR)];
-        }
+        far.sum_up(&self.tree, &self.levels);
         Ok(())
     }
 

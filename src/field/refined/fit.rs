@@ -1,6 +1,7 @@
 //! The fit: solve, look, cut, until the surface misses no point by more than it may.
 
 use super::super::data::Data;
+use super::super::held::Held;
 use super::super::weighed::Weighed;
 use super::super::{FitOptions, FitReport, reweight};
 use super::cuts::{cut, marks};
@@ -59,10 +60,10 @@ struct Fitting<'a, 'b, const D: usize> {
 
 /// Fits `data`, which is in the cells of the tree's grid, from `start` on: with the grid of its tree, and the spline, in units of D. Refines
 /// it until the largest error is at most that of the options, or its control points or bytes reach their limit: the spline then, and what the
-/// points counted for. `report` gets what the fit did, but for the errors at the points. Without `max_error` nothing is refined.
+/// points counted for. Distances are `held` where they were, if so, and else measured. `report` gets what the fit did, but for the errors at the points. Without `max_error` nothing is refined.
 pub fn fit<const D: usize>(
     start: Spline<D>,
-    data: Data<D>,
+    (data, held): (Data<D>, Option<&Held>),
     options: &FitOptions,
     workers: &Workers,
     report: &mut FitReport,
@@ -72,7 +73,11 @@ pub fn fit<const D: usize>(
     let mut tell = || progress.tell(0.0, "assembly");
     tell()?;
     let Spline { tree, space, mut x } = start;
-    let energy = RefinedEnergy::new((tree, space), data, options.weights(), holding(options), workers, tell)?;
+    let (parts, weights, holding) = ((tree, space), options.weights(), holding(options));
+    let energy = match held {
+        Some(held) => RefinedEnergy::keeping(parts, data, weights, (holding, held), workers, tell)?,
+        None => RefinedEnergy::new(parts, data, weights, holding, workers, tell)?,
+    };
     let errors = try_vec(n_points, 0.0, "the errors at the points")?;
     let mut fitting = Fitting { options, workers, clock, energy, errors, report, progress, done: 0.05, full: false };
     fitting.energy.check_normals(workers)?;
@@ -109,7 +114,7 @@ pub fn fit<const D: usize>(
     report.n_levels = energy.tree().n_levels();
     report.n_unknowns = energy.space().n_active() as u64;
     report.clear_sides = energy.clear();
-    let weighed = Weighed::of(energy.data(), Vec::new())?;
+    let weighed = Weighed::of(energy.data(), energy.held()?)?;
     let (tree, space) = energy.into_tree();
     Ok((Spline { tree, space, x }, weighed))
 }

@@ -1,14 +1,14 @@
 //! From phi and psi to the derivatives by points and normals.
 
 use super::Derivatives;
-use super::form::{Form, Held};
+use super::form::Form;
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::field::data::Mass;
 use crate::field::eval::{Outputs, packed};
-use crate::field::{Field, fit};
+use crate::field::Field;
+use crate::field::held::Hold;
 use crate::geometry::Cloud;
-use crate::geometry::neighbours::Neighbours;
 use crate::geometry::vec::{add, dot, norm, scale, sub};
 use crate::par::Workers;
 
@@ -36,14 +36,14 @@ pub(super) struct Chain<const D: usize> {
 
 impl<const D: usize> Chain<D> {
     /// For `cloud`, all of whose points count.
-    pub fn new(field: &Field<D>, cloud: &Cloud<D>, form: &Form<D>, workers: &Workers) -> Result<Self> {
+    pub fn new(field: &Field<D>, cloud: &Cloud<D>, form: &Form<D>) -> Result<Self> {
         let copy = |from: &[[f64; D]]| {
             let mut to = try_with_capacity(from.len(), WHAT)?;
             to.extend_from_slice(from);
             Ok(to)
         };
-        let held = form.held()?;
-        let room = || try_vec(held.len(), [0.0; D], WHAT);
+        let holds = form.holds()?;
+        let room = || try_vec(holds.len(), [0.0; D], WHAT);
         let mut chain = Chain {
             sign: field.feasible().sign(),
             points: copy(cloud.points())?,
@@ -51,43 +51,21 @@ impl<const D: usize> Chain<D> {
             forces: form.forces()?,
             middles: room()?,
             pulls: room()?,
-            nearest: try_vec(held.len(), 0, WHAT)?,
+            nearest: try_vec(holds.len(), 0, WHAT)?,
         };
-        chain.find_nearest(field, &held, workers)?;
+        chain.pull_cells(field, &holds);
         Ok(chain)
     }
 
-    /// Fills in what belongs to the cells in `held`.
-    fn find_nearest(&mut self, field: &Field<D>, held: &[Held<D>], workers: &Workers) -> Result<()> {
-        if held.is_empty() {
-            return Ok(());
-        }
-        // In units of D from the lower corner of the box on, as the cells are; of the points from which distances are held.
+    /// Fills in what belongs to the cells in which distances are held.
+    fn pull_cells(&mut self, field: &Field<D>, holds: &[Hold<D>]) {
         let (grid, d) = (&field.grid, field.diagonal);
-        let axes = fit::in_units_of(grid, d).axes;
-        let without = field.weighed.without_distances();
-        let mut number = try_with_capacity(self.points.len(), WHAT)?;
-        number.extend((0..self.points.len() as u32).filter(|i| without.binary_search(i).is_err()));
-        let mut places = try_with_capacity(number.len(), WHAT)?;
-        places.extend(number.iter().map(|i| {
-            let p = self.points[*i as usize];
-            std::array::from_fn(|a| (p[a] - grid.axes[a].lower) / grid.axes[a].cell * axes[a].cell)
-        }));
-        let tree = Neighbours::new(&places)?;
-        let sign = self.sign;
-        let of_cells =
-            self.middles.chunks_mut(BLOCK).zip(self.pulls.chunks_mut(BLOCK)).zip(self.nearest.chunks_mut(BLOCK));
-        workers.for_each(held.chunks(BLOCK).zip(of_cells), |(held, ((middles, pulls), nearest))| {
-            let mut hint = 0;
-            for (i, (x, mass, distance)) in held.iter().enumerate() {
-                let q = tree.nearest_from(*x, &mut hint).index as usize;
-                let to_q = sub(places[q], *x);
-                nearest[i] = number[q];
-                pulls[i] = scale(sign * mass * distance.signum() / norm(to_q), to_q);
-                middles[i] = std::array::from_fn(|a| grid.axes[a].lower + x[a] / axes[a].cell * grid.axes[a].cell);
-            }
-        });
-        Ok(())
+        for (i, Hold { middle, mass, point }) in holds.iter().enumerate() {
+            let x = std::array::from_fn(|a| grid.axes[a].lower + d * middle[a]);
+            let to_q = sub(self.points[*point as usize], x);
+            self.pulls[i] = scale(self.sign * mass / norm(to_q), to_q);
+            (self.middles[i], self.nearest[i]) = (x, *point);
+        }
     }
 
     /// The derivatives, from phi of `field` and `psi`, a field of the control points lambda; of the points that count, by number.

@@ -4,9 +4,9 @@ use super::Effort;
 use crate::Result;
 use crate::error::{try_vec, try_with_capacity};
 use crate::field::data::{Data, DataTerm, Mass};
-use crate::field::distance::FarDistances;
 use crate::field::energy::Energy;
 use crate::field::fit::{self, in_units_of};
+use crate::field::held::{Held, Hold};
 use crate::field::levels::{Level, Terms, multigrid};
 use crate::field::refined::energy::RefinedEnergy;
 use crate::field::refined::{self, Refined};
@@ -29,7 +29,8 @@ pub(super) enum Form<const D: usize> {
 /// The form on one grid.
 pub(super) struct OneGrid<const D: usize> {
     data: Arc<DataTerm<D>>,
-    pub(super) terms: Terms<D>,
+    terms: Terms<D>,
+    held: Option<Held>,
     /// Made by the first solve that takes long without.
     multigrid: Option<OwnMultigrid<D>>,
     /// Whether it may be made.
@@ -38,9 +39,6 @@ pub(super) struct OneGrid<const D: usize> {
 
 /// A multigrid that lives with the form.
 type OwnMultigrid<const D: usize> = Multigrid<Level<Arc<DataTerm<D>>, Box<Terms<D>>, D>>;
-
-/// A cell in which a distance is held: its middle from the lower corner of the box on, its mass, d.
-pub(super) type Held<const D: usize> = ([f64; D], f64, f64);
 
 impl<const D: usize> Form<D> {
     /// The form of `field` and `cloud`, all of whose points count and lie in the box, and |b - A c| / |b| that the field leaves.
@@ -73,13 +71,13 @@ impl<const D: usize> Form<D> {
     }
 
     /// The cells in which distances are held.
-    pub fn held(&self) -> Result<Vec<Held<D>>> {
+    pub fn holds(&self) -> Result<Vec<Hold<D>>> {
         match self {
-            Form::OneGrid(form) => match &form.terms.distance {
-                Some(distance) => listed(distance.held(form.terms.view.grid())),
-                None => Ok(Vec::new()),
+            Form::OneGrid(form) => match (&form.terms.distance, &form.held) {
+                (Some(distance), Some(held)) => listed(distance.holds(held, form.terms.view.grid())),
+                _ => Ok(Vec::new()),
             },
-            Form::Leaves(energy) => listed(energy.held()),
+            Form::Leaves(energy) => listed(energy.holds()),
         }
     }
 
@@ -141,7 +139,10 @@ fn leaves<const D: usize>(
     let tell = || progress.tell(0.1, "distances");
     let spline = (tree.on(in_units_of(&field.grid, field.diagonal)), space);
     let holding = refined::fit::holding(options);
-    let mut energy = RefinedEnergy::new(spline, data, options.weights(), holding, workers, tell)?;
+    let mut energy = match field.weighed.held() {
+        Some(held) => RefinedEnergy::keeping(spline, data, options.weights(), (holding, held), workers, tell)?,
+        None => RefinedEnergy::new(spline, data, options.weights(), holding, workers, tell)?,
+    };
     energy.check_normals(workers)?;
     let b = energy.right_hand_side(workers, field.feasible.sign())?;
     let residual = residual(&mut energy, &x, &b, workers)?;
@@ -159,20 +160,25 @@ impl<const D: usize> OneGrid<D> {
     ) -> Result<(Form<D>, f64)> {
         let grid = in_units_of(&field.grid, field.diagonal);
         let n_points = data.xi.len() as u128;
-        field.weighed.weigh_for_distances(&mut data);
+        field.weighed.weigh(&mut data);
         let mut energy = Energy::new(data, grid, options.weights())?;
+        let mut held = None;
         if options.distance_weight > 0.0 {
             let tell = |fraction| progress.tell(0.1 + 0.8 * fraction, "distances");
-            energy.hold(FarDistances::new(energy.counted()?, &grid, workers, tell)?, options.distance_weight)?;
+            let far;
+            (far, held) = match field.weighed.held() {
+                Some(held) => (energy.keep(held)?, Some(held.try_clone()?)),
+                None => energy.measure(workers, tell)?,
+            };
+            energy.hold(far, options.distance_weight)?;
         }
-        field.weighed.weigh(energy.data_mut().points_mut());
         let b = energy.right_hand_side(workers, field.feasible.sign())?;
         let mut x = try_vec(b.len(), 0.0, "the control points")?;
         x.iter_mut().zip(&field.coefficients).for_each(|(x, c)| *x = c / field.diagonal);
         let residual = residual(&mut Diagonal::new(&mut energy, workers)?, &x, &b, workers)?;
         let may_have_multigrid = fit::multigrid_fits(n_points, &grid, options.memory_limit);
         let (data, terms) = energy.into_parts();
-        let form = OneGrid { data: Arc::new(data), terms, multigrid: None, may_have_multigrid };
+        let form = OneGrid { data: Arc::new(data), terms, held, multigrid: None, may_have_multigrid };
         Ok((Form::OneGrid(Box::new(form)), residual))
     }
 

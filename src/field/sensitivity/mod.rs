@@ -111,7 +111,7 @@ impl<const D: usize> Sensitivity<D> {
         let workers = Workers::new(options.n_threads)?;
         let (form, residual) = Form::new(field, cloud, options, &workers, progress)?;
         check_minimum(residual, options)?;
-        let chain = Chain::new(field, cloud, &form, &workers)?;
+        let chain = Chain::new(field, cloud, &form)?;
         progress.tell(1.0, "done")?;
         Ok(Sensitivity { field: field.try_clone()?, form, chain, counted: numbers, n_points, effort: options.into() })
     }
