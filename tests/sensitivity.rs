@@ -34,7 +34,13 @@ struct Case<const D: usize> {
 type Moves<const D: usize> = [Vec<[f64; D]>; 2];
 
 fn options(n: u32) -> FitOptions {
-    FitOptions { control_points: [n; 3], tolerance: 1e-12, max_iterations: 100_000, n_threads: 1, ..FitOptions::default() }
+    FitOptions {
+        control_points: [n; 3],
+        tolerance: 1e-12,
+        max_iterations: 100_000,
+        n_threads: 1,
+        ..FitOptions::default()
+    }
 }
 
 impl<const D: usize> Case<D> {
@@ -128,8 +134,14 @@ impl<const D: usize> Case<D> {
                 let [fourth, rough] = [(4.0 * narrow - middle) / 3.0, (4.0 * middle - wide) / 3.0];
                 let (by_difference, by_adjoint) = ((16.0 * fourth - rough) / 15.0, sum(&by, &moves));
                 let error = |d: f64| (d - by_adjoint).abs() / size;
-                println!("{name}, {which:?}, seed {seed}: dJ {by_adjoint:.3e} of {size:.3e}, error {:.1e}", error(by_difference));
-                assert!(error(by_difference) < BAR, "{name} {which:?} {seed}: {by_difference:e} {by_adjoint:e} of {size:e}");
+                println!(
+                    "{name}, {which:?}, seed {seed}: dJ {by_adjoint:.3e} of {size:.3e}, error {:.1e}",
+                    error(by_difference)
+                );
+                assert!(
+                    error(by_difference) < BAR,
+                    "{name} {which:?} {seed}: {by_difference:e} {by_adjoint:e} of {size:e}"
+                );
             }
         }
     }

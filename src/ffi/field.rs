@@ -79,8 +79,9 @@ pub unsafe extern "C" fn ko_field_fit(
 /// As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
 /// `start` nor the cloud, and `start` stays as it is.
 /// With `max_error` the cells of `start` are refined further where they must be; those that it has stay. With KO_REWEIGHT_KEEP the points of
-/// the cloud are those of the fit of `start`, as many in the same order, moved: each counts for what it counted for there, and one solve
-/// does, where the default reweights in rounds as a fit does. A field that was loaded or made does not know what points counted for.
+/// the cloud are those of the fit of `start`, as many in the same order, moved: each counts for what it counted for there, D is the one of
+/// `start`, distances are held where they were, and one solve does, where the default measures and reweights as a fit does. A field that was
+/// loaded or made does not know what points counted for.
 /// Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another
 /// dimension or, with KO_REWEIGHT_KEEP, of another number of points, for a point outside the box, naming the first, and for a cloud of a
 /// diagonal of less than a hundredth of the longest cell; KO_ERR_UNSUPPORTED for KO_REWEIGHT_ROBUST where `start` has refined cells. Threads,

@@ -17,8 +17,9 @@ pub const KO_REWEIGHT_LARGEST: i32 = 0;
 /// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. Two solves more,
 /// the first of them much smoother.
 pub const KO_REWEIGHT_ROBUST: i32 = 1;
-/// For `ko_field_refit` alone, of the same points, moved: each counts for what it counted for at last in the fit of `start`. One solve: the
-/// fastest refit, and that of which `ko_sensitivity_solve` gives the derivatives.
+/// For `ko_field_refit` alone, of the same points, moved: each counts for what it counted for at last in the fit of `start`, D stays, and
+/// distances are held in the same cells, as much, to the points that were nearest then. One solve and nothing to measure: the fastest refit,
+/// and that of which `ko_sensitivity_solve` gives the derivatives. After moves of cells' lengths refit by the default.
 pub const KO_REWEIGHT_KEEP: i32 = 2;
 
 /// Options of `ko_field_fit` and `ko_field_refit`. Initialise by `ko_fit_options_init`, then set what shall differ. Weights have no unit:

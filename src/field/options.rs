@@ -31,8 +31,8 @@ pub enum Reweighting {
     /// Points that disagree with the others count for less, at last for nothing: against noise, outliers and wrong normals. See
     /// [`robust`](super::robust).
     Robust,
-    /// None: each point counts as it did in the field that a refit starts from, which was fitted to as many, in the same order. One solve, and
-    /// the field that [`sensitivity`](super::sensitivity) has the derivatives of.
+    /// None: each point counts as it did in the field that a refit starts from, which was fitted to as many, in the same order; distances
+    /// are held where they were, to the points that were nearest, and D stays. One solve, and the field that [`sensitivity`](super::sensitivity) has the derivatives of.
     Kept,
 }
 

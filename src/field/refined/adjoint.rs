@@ -27,7 +27,8 @@ impl<const D: usize> RefinedEnergy<D> {
         let Some(far) = &self.far else { return Ok(None) };
         let (n, n_cells, whole) = (per_pack::<D>(), self.tree.grid().n_cells(), self.tree.n_levels() == 1);
         let cells = self.held_cells(far).map(|(tile, cell)| {
-            let (at, side): ([usize; D], _) = (in_tile(cell % n), far.mass[cell] / self.levels[tile.level as usize].distance_weight);
+            let (at, side): ([usize; D], _) =
+                (in_tile(cell % n), far.mass[cell] / self.levels[tile.level as usize].distance_weight);
             let row_major = || (0..D).fold(0, |c, a| c * n_cells[a] + SIDE * tile.place[a] as usize + at[a]);
             (if whole { row_major() } else { cell }, far.number(cell), side.copysign(far.distance[cell]))
         });
