@@ -9,6 +9,8 @@
 static_assert(!std::is_copy_constructible_v<keepout::Mesh> && std::is_nothrow_move_constructible_v<keepout::Mesh>);
 static_assert(!std::is_copy_constructible_v<keepout::Cloud> && std::is_nothrow_move_constructible_v<keepout::Cloud>);
 static_assert(!std::is_copy_constructible_v<keepout::Field> && std::is_nothrow_move_constructible_v<keepout::Field>);
+static_assert(!std::is_copy_constructible_v<keepout::Sensitivity> &&
+              std::is_nothrow_move_constructible_v<keepout::Sensitivity>);
 static_assert(!std::is_copy_constructible_v<keepout::Body> && std::is_nothrow_move_constructible_v<keepout::Body>);
 static_assert(!std::is_copy_constructible_v<keepout::Explicit> && std::is_nothrow_move_constructible_v<keepout::Explicit>);
 static_assert(!std::is_copy_constructible_v<keepout::Constraints> && std::is_nothrow_move_constructible_v<keepout::Constraints>);
@@ -362,6 +364,41 @@ static void fields_are_certified() {
     CHECK(caught);
 }
 
+static void values_have_derivatives_by_the_cloud() {
+    const keepout::Mesh mesh = cube();
+    const keepout::Cloud cloud = mesh.sample(500, 1);
+    CHECK(cloud.follow(mesh).points() == cloud.points());
+    keepout::FitOptions options = small_fit();
+    const keepout::Field field = keepout::Field::fit(cloud, options);
+    options.reweighting = KO_REWEIGHT_KEEP;
+    CHECK_NEAR(field.refit(cloud, options).report().rms, field.report().rms, 1e-3);
+    options.reweighting = KO_REWEIGHT_LARGEST;
+    keepout::Sensitivity sensitivity = keepout::Sensitivity::create(field, cloud, options);
+    CHECK(sensitivity.n_points() == 500);
+    const std::array<double, 3> point = {1.1, 0.5, 0.6};
+    const std::array<double, 1> weight = {2.0};
+    std::vector<double> by_points(1500), by_normals(1500), doubled(1500), by_vertices(24);
+    sensitivity.solve(point, {}, by_points, by_normals);
+    options.n_threads = 2;
+    sensitivity.solve(point, weight, options, doubled);
+    CHECK(doubled[7] == 2.0 * by_points[7]);
+    cloud.pull_back(mesh, by_points, by_normals, by_vertices);
+    double of_points = 0.0, of_vertices = 0.0;
+    for (std::size_t k = 0; k < 1500; k += 3) {
+        of_points += by_points[k];
+    }
+    for (std::size_t k = 0; k < 24; k += 3) {
+        of_vertices += by_vertices[k];
+    }
+    CHECK(std::abs(of_points) > 0.1);
+    CHECK_NEAR(of_vertices, of_points, 1e-9);
+    THROWS(sensitivity.solve(point, {}, keepout::Span<double>(doubled.data(), 9)), KO_ERR_INVALID_ARGUMENT, "d_points");
+    THROWS(cloud.pull_back(mesh, by_points, {}, doubled), KO_ERR_INVALID_ARGUMENT, "d_vertices");
+    options.on_progress = [](double, const char *) { return keepout::Progress::cancel; };
+    THROWS(keepout::Sensitivity::create(field, cloud, options), KO_ERR_CANCELLED, "cancelled");
+    THROWS(sensitivity.solve(point, {}, options, doubled), KO_ERR_CANCELLED, "cancelled");
+}
+
 static void formulas_are_evaluated() {
     const keepout::Cloud cloud = cube().sample(2000, 1);
     keepout::ExplicitOptions options;
@@ -637,6 +674,7 @@ int main() {
     bodies_are_points();
     constraints_are_differentiated();
     constraints_are_checked();
+    values_have_derivatives_by_the_cloud();
     formulas_are_evaluated();
     meshes_are_separated();
     versions_are_told();

@@ -4,5 +4,6 @@
 
 int main(int argc, char **argv) {
     using namespace bench;
-    return run_subjects("constraints", argc, argv, {{"derivatives", derivatives}, {"speed", speed}, {"figure_8", figure_8}});
+    return run_subjects("constraints", argc, argv,
+                        {{"derivatives", derivatives}, {"speed", speed}, {"figure_8", figure_8}, {"adjoint", adjoint}});
 }

@@ -54,6 +54,7 @@ program keepout_test
   call bodies_are_points()
   call constraints_are_differentiated()
   call constraints_are_checked()
+  call values_have_derivatives_by_the_cloud()
   call formulas_are_evaluated()
   call meshes_are_separated()
   call progress_is_heard()
@@ -484,6 +485,38 @@ contains
     call curves%copy_component_points(points)
     call holds(all(shape(points) == [2, 2]), "shape of component points")
     call near(maxval(abs(points - frame_points(:, 1:5:4))), 0.0_c_double, 0.0_c_double, "mesh%copy_component_points")
+  end subroutine
+
+  subroutine values_have_derivatives_by_the_cloud()
+    type(keepout_mesh) :: mesh
+    type(keepout_cloud) :: cloud, same
+    type(keepout_field) :: field
+    type(keepout_sensitivity) :: sensitivity
+    type(ko_fit_options) :: options
+    real(c_double) :: point(3, 1), by_points(3, 500), by_normals(3, 500), twice(3, 500), by_vertices(3, 8)
+    integer(c_int32_t) :: stat
+    character(len=200) :: errmsg
+    point(:, 1) = [1.1_c_double, 0.5_c_double, 0.6_c_double]
+    call cube(mesh)
+    call mesh%sample(500, 1, cloud)
+    call cloud%follow(mesh, same)
+    call holds(same%n_points() == 500, "cloud%follow")
+    options = small_fit(8)
+    call field%fit(cloud, options)
+    call sensitivity%create(field, cloud, options)
+    call sensitivity%solve(point, d_points=by_points, d_normals=by_normals)
+    options%n_threads = 2
+    call sensitivity%solve(point, [2.0_c_double], twice, options=options)
+    call near(maxval(abs(twice - 2 * by_points)), 0.0_c_double, 0.0_c_double, "sensitivity%solve")
+    call cloud%pull_back(mesh, by_vertices, by_points, by_normals)
+    call near(sum(by_vertices(1, :)), sum(by_points(1, :)), 1e-9_c_double, "cloud%pull_back")
+    call sensitivity%solve(point, [1.0_c_double, 2.0_c_double], twice, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "weights")
+    call cloud%pull_back(mesh, by_vertices, by_points(:, 2:), stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "d_points")
+    call sensitivity%free()
+    call sensitivity%solve(point, d_points=twice, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "sensitivity is NULL")
   end subroutine
 
   subroutine formulas_are_evaluated()

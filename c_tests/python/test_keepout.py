@@ -548,6 +548,34 @@ class Bounding(TestCase):
             constraints.values(x)
 
 
+class Sensitivities(TestCase):
+    def test_derivatives_by_the_cloud(self):
+        mesh = cube()
+        cloud = mesh.sample(500, seed=1)
+        np.testing.assert_array_equal(cloud.follow(mesh).points(), cloud.points())
+        field = keepout.Field.fit(cloud, small_fit())
+        kept = field.refit(cloud, small_fit(reweighting=keepout.Reweight.KEEP))
+        self.assertAlmostEqual(kept.report().rms, field.report().rms, delta=1e-3)
+        sensitivity = keepout.Sensitivity.create(field, cloud, small_fit())
+        point = [1.1, 0.5, 0.6]
+        by = sensitivity.solve(point)
+        self.assertEqual(by.normals.shape, (500, 3))
+        twice = sensitivity.solve(point, [2.0], small_fit(n_threads=2))
+        np.testing.assert_array_equal(twice.points, 2 * by.points)
+        by_vertices = cloud.pull_back(mesh, by.points, by.normals)
+        np.testing.assert_allclose(by_vertices.sum(axis=0), by.points.sum(axis=0), atol=1e-9)
+        self.assertTrue((cloud.pull_back(mesh) == 0.0).all())
+        with self.fails(Status.INVALID_ARGUMENT, "weights has 2 rows"):
+            sensitivity.solve(point, [1.0, 2.0])
+        with self.fails(Status.INVALID_ARGUMENT, "d_points has 499 rows"):
+            cloud.pull_back(mesh, by.points[1:])
+        with self.fails(Status.CANCELLED, "cancelled"):
+            sensitivity.solve(point, progress=lambda fraction, stage: False)
+        sensitivity.close()
+        with self.fails(Status.INVALID_ARGUMENT, "sensitivity is NULL"):
+            sensitivity.solve(point)
+
+
 class Formulations(TestCase):
     def test_formulas(self):
         cloud = cube().sample(2000, seed=1)
