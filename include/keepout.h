@@ -151,6 +151,13 @@
 #define KO_REWEIGHT_ROBUST 1
 
 /**
+ * For `ko_field_refit` alone, of the same points, moved: each counts for what it counted for at last in the fit of `start`, D stays, and
+ * distances are held in the same cells, as much, to the points that were nearest then. One solve and nothing to measure: the fastest refit,
+ * and that of which `ko_sensitivity_solve` gives the derivatives. After moves of cells' lengths refit by the default.
+ */
+#define KO_REWEIGHT_KEEP 2
+
+/**
  * No aggregate: a value a sample.
  */
 #define KO_AGGREGATE_NONE 0
@@ -580,8 +587,8 @@ typedef struct ko_fit_options {
     /**
      * Largest error on the surface that is wanted, as a fraction of D, in [1e-9, 1]: cells are halved, again and again, where |phi| at the
      * cloud's points is larger, and where parts are thin. The grid is then coarse where no `control_points` are asked for, lambda_normal
-     * and lambda_smooth are those of its cells, and fall by 4 and 5 with each halving. Not with KO_REWEIGHT_ROBUST. 0 (default): one
-     * grid.
+     * and lambda_smooth are those of its cells, and fall by 4 and 5 with each halving. Not with KO_REWEIGHT_ROBUST or KO_REWEIGHT_KEEP. 0
+     * (default): one grid.
      */
     double max_error;
     /**
@@ -1322,11 +1329,14 @@ int32_t ko_field_fit(const struct ko_cloud *cloud,
  *
  * As `ko_field_fit`, but that the options' control points and margin do not count. `*field` is the caller's to free; it refers to neither
  * `start` nor the cloud, and `start` stays as it is.
- * With `max_error` the cells of `start` are refined further where they must be; those that it has stay.
+ * With `max_error` the cells of `start` are refined further where they must be; those that it has stay. With KO_REWEIGHT_KEEP the points of
+ * the cloud are those of the fit of `start`, as many in the same order, moved: each counts for what it counted for there, D is the one of
+ * `start`, distances are held where they were, and one solve does, where the default measures and reweights as a fit does. A field that was
+ * loaded or made does not know what points counted for.
  * Returns KO_BUDGET_REACHED as `ko_field_fit` does. Errors: those of `ko_field_fit`; KO_ERR_INVALID_ARGUMENT for a cloud of another
- * dimension, for a point outside the box, naming the first, and for a cloud of a diagonal of less than a hundredth of the longest cell;
- * KO_ERR_UNSUPPORTED for KO_REWEIGHT_ROBUST where `start` has refined cells. Threads, cost, memory: those of `ko_field_fit`, in fewer
- * iterations.
+ * dimension or, with KO_REWEIGHT_KEEP, of another number of points, for a point outside the box, naming the first, and for a cloud of a
+ * diagonal of less than a hundredth of the longest cell; KO_ERR_UNSUPPORTED for KO_REWEIGHT_ROBUST where `start` has refined cells. Threads,
+ * cost, memory: those of `ko_field_fit`, in fewer iterations.
  */
 int32_t ko_field_refit(const struct ko_field *start,
                        const struct ko_cloud *cloud,
@@ -1477,13 +1487,13 @@ void ko_field_free(struct ko_field *field);
  * `ko_field_fit` or `ko_field_refit`) with `options`; NULL: the defaults.
  *
  * Of the options lambda_normal, lambda_smooth and distance_weight tell the energy, and `tolerance` what the field is held to: it must be
- * the minimum to twice that. What reweighting, robust or not, made of the points the field remembers, but not in a file: a field that was
- * loaded serves where it was fitted with `reweightings` 0. `*sensitivity` is the caller's to free; it refers to neither field nor cloud.
+ * the minimum to twice that. What reweighting, robust or not, made of the points the field remembers, and where distances are held, but not
+ * in a file: a field that was loaded serves where it was fitted with `reweightings` 0. `*sensitivity` is the caller's to free; it refers to neither field nor cloud.
  * Errors: KO_ERR_INVALID_ARGUMENT for a cloud of another dimension or of another number of points, for a point outside the box, naming the
  * first, and for a field that is not the minimum for the cloud and the options, with the residual; KO_ERR_UNSUPPORTED for an option that
  * this library does not know, KO_ERR_OUT_OF_MEMORY with the bytes that it would take, KO_ERR_CANCELLED.
- * Threads: any; `progress` is called on the caller's, and no more after the call. Cost: the distances are measured again, and nothing
- * is solved. Memory: that of the fit, and some 250 bytes a point and 100 a control point.
+ * Threads: any; `progress` is called on the caller's, and no more after the call. Cost: some passes over points and cells, and nothing is
+ * solved; for a field that was loaded the distances are measured again. Memory: that of the fit, and some 250 bytes a point and 100 a control point.
  */
 int32_t ko_sensitivity_create(const struct ko_field *field,
                               const struct ko_cloud *cloud,
@@ -1499,17 +1509,19 @@ int32_t ko_sensitivity_create(const struct ko_field *field,
  * outside the box. `n_cloud_points` must be that of `ko_cloud_get_size`; either output may be NULL, and is 0 for points of weight 0.
  * Outputs are in the caller's units: with w without unit `d_points` has none, and `d_normals` is a length. They are derivatives of the
  * field that a refit with KO_REWEIGHT_KEEP gives, with these held: the box, D, the weights, the cells and their levels, what each point
- * counts for after reweighting, and in which cells distances are held, how much and with which sign. The distances themselves follow the
- * points. So they hold for a cloud that moves a little within its bounds. Normals of a cloud have length 1: `d_normals` is at right angles to them, and the
- * derivative with respect to a normal given with length l is `d_normals` / l. `ko_cloud_pull_back` goes on to the vertices of a mesh.
+ * counts for after reweighting, and in which cells distances are held, how much, with which sign and to which point. The distances
+ * themselves follow the points. Of such refits, solved to 1e-12, differences agree to 1e-6 of |dJ|; phi bends within 1e-4 D where every point
+ * moves its own way, so differences want smaller steps, or extrapolation. Normals of a cloud have length 1: `d_normals` is at right angles to
+ * them, and the derivative with respect to a normal given with length l is `d_normals` / l. `ko_cloud_pull_back` goes on to the vertices of
+ * a mesh.
  * `options` NULL: tolerance, max_iterations and n_threads of `ko_sensitivity_create`, no progress; else those, and `progress`, are taken
  * from them, and nothing else counts. The tolerance is that of |g - A lambda| / |g|, g the derivatives of J by the control points, and with
  * it the relative error of the outputs goes down.
  * Errors: KO_ERR_INVALID_ARGUMENT, naming the first point or weight that is not finite, and for another n_cloud_points;
  * KO_ERR_NOT_CONVERGED, KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. After an error outputs are unspecified, and the handle serves on.
  * Threads: no other thread may be using the handle. The result depends neither on `n_threads` nor on earlier calls. Cost: that of one
- * solve of a fit, and Hessians of two fields at each point of the cloud; where many iterations seem to be left, the first such call makes a multigrid, which the
- * later ones use.
+ * solve of a fit, a value at each of `points`, and Hessians of two fields at each point of the cloud; where many iterations seem to be left,
+ * the first such call makes a multigrid, which the later ones use.
  */
 int32_t ko_sensitivity_solve(struct ko_sensitivity *sensitivity,
                              const double *points,

@@ -104,6 +104,15 @@ fn what_is_not_the_fit_is_refused() {
     Sensitivity::new(&field, &cloud, &plain, &mut Progress::silent()).unwrap();
 }
 
+/// They hold distances by the spacing of their points, where a fit on one grid holds them by its cells.
+#[test]
+fn fits_that_might_have_cut_cells_are_known_again() {
+    let (cloud, options) = (ball(600), FitOptions { max_error: 0.05, ..options(12) });
+    let field = Field::fit(&cloud, &options, &mut Progress::silent()).unwrap();
+    assert!(!field.is_refined());
+    Sensitivity::new(&field, &cloud, &options, &mut Progress::silent()).unwrap();
+}
+
 #[test]
 fn wrong_arguments_of_solves_are_named_and_solves_are_cancelled() {
     let (cloud, options) = (ball(600), options(10));
