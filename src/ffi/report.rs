@@ -108,7 +108,7 @@ pub struct ko_fit_report {
     pub n_unknowns: u64,
     /// Points of the cloud.
     pub n_points: u64,
-    /// Bytes that the field holds.
+    /// Bytes that the field holds for evaluation. A field that was fitted, not loaded, remembers besides up to 24 bytes a point and 16 a cell.
     pub bytes: u64,
     /// Lower corner of the box.
     pub box_min: [f64; 3],

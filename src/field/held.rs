@@ -64,9 +64,4 @@ impl Held {
         cells.copy_from_slice(&self.cells);
         Ok(Held { cells, clear: self.clear })
     }
-
-    /// Bytes that it holds.
-    pub fn bytes(&self) -> usize {
-        size_of::<HeldCell>() * self.cells.capacity()
-    }
 }

@@ -200,10 +200,10 @@ impl<const D: usize> Field<D> {
         &self.report
     }
 
-    /// Bytes that the field holds.
+    /// Bytes that the field holds for evaluation: what it remembers of its fit does not count, and does not outlive a file.
     pub fn bytes(&self) -> usize {
         let refined = self.refined.as_ref().map_or(0, |r| r.bytes());
-        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>() + refined + self.weighed.bytes()
+        size_of::<Self>() + self.coefficients.capacity() * size_of::<f64>() + refined
     }
 }
 

@@ -56,9 +56,4 @@ impl Weighed {
     pub fn held(&self) -> Option<&Held> {
         self.held.as_ref()
     }
-
-    /// Bytes that it holds.
-    pub fn bytes(&self) -> usize {
-        size_of::<(u32, Mass)>() * self.factors.capacity() + self.held.as_ref().map_or(0, Held::bytes)
-    }
 }
