@@ -51,7 +51,7 @@ impl<const D: usize> Form<D> {
     ) -> Result<(Self, f64)> {
         let data = Data::new(cloud, &field.grid)?;
         match &field.refined {
-            None => OneGrid::new(field, data, options, workers, progress),
+            None => OneGrid::form(field, data, options, workers, progress),
             Some(refined) => leaves(field, refined, data, options, workers, progress),
         }
     }
@@ -151,7 +151,7 @@ fn leaves<const D: usize>(
 }
 
 impl<const D: usize> OneGrid<D> {
-    fn new(
+    fn form(
         field: &Field<D>,
         mut data: Data<D>,
         options: &FitOptions,
