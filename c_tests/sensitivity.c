@@ -272,6 +272,6 @@ int main(void) {
     derivatives_go_back_to_vertices();
     wrong_calls_are_refused_and_long_ones_cancelled();
     derivatives_of_defaults_follow_the_shape(0.0);
-    derivatives_of_defaults_follow_the_shape(2e-3);
+    derivatives_of_defaults_follow_the_shape(1e-2);
     return check_result();
 }
