@@ -123,17 +123,14 @@ int run(const Arguments &arguments) {
     outcome.wanted = radius;
     outcome.unit = "m";
     const keepout::Mesh mesh = read_monument(arguments.data + "/stanford/armadillo_cgal.off");
-    double begin = processor_seconds();
     keepout::FitOptions options = fit_options(KO_FEASIBLE_OUTSIDE);
     options.max_error = 1e-3; // of the diagonal: the nearer the field, the less room the proof takes
-    const keepout::Field field = keepout::Field::fit(mesh.sample(100000, /*seed*/ 1), options);
-    outcome.seconds_fit = processor_seconds() - begin;
-    print_fit("Armadillo", field, "m");
+    const keepout::Field field = fit("the armadillo", mesh, 100000, options, outcome);
 
     // No point of the path is farther than half a step from one of its points.
     keepout::CertifyOptions certify_options;
     certify_options.n_threads = 1;
-    begin = processor_seconds();
+    const double begin = processor_seconds();
     const ko_certificate certificate = field.certify(mesh, radius, longest_step / 2, certify_options);
     std::printf("Certified in %.2f s: phi above %.4f m at the points of a path keeps all of it %.1f m clear\n", processor_seconds() - begin,
                 certificate.threshold, radius);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0 OR MIT
-// What an aircraft carries, packed into its fuselage: two battery packs and four other bodies, placed and turned by IPOPT so that all of them
-// can be as large as may be, by one common factor. They start in each other and in the walls. Every body is kept in the field of the
+// What an aircraft carries, packed into its fuselage: two battery packs and four other bodies, placed and turned by IPOPT so that all of
+// them can be as large as may be, by one common factor. They start in each other and in the walls. Every body is kept in the field of the
 // fuselage and in those of all others by one smooth value each; the optimum is checked by the triangles: how far they are apart, whether
 // they cross, which side they are on.
 //
@@ -34,25 +34,25 @@ keepout::Mesh read_mesh(const std::string &path) {
     return keepout::Mesh::from_triangles(vertices, mesh.triangles());
 }
 
-Thing make_thing(const char *name, const Vector &colour, keepout::Mesh mesh, const Vector &start) {
+Thing make_thing(const char *name, const Vector &colour, keepout::Mesh mesh, const Vector &start, Outcome &outcome) {
     keepout::FitOptions options = fit_options(KO_FEASIBLE_OUTSIDE);
     options.margin = 1; // others are beside it: outside of its box a field takes ten times as long
-    keepout::Field field = keepout::Field::fit(mesh.sample(20000, /*seed*/ 1), options);
-    print_fit(name, field, "dm");
+    keepout::Field field = fit(name, mesh, 20000, options, outcome);
     keepout::Body body = keepout::Body::from_mesh(mesh, covering);
     return {name, colour, std::move(mesh), std::move(field), std::move(body), start};
 }
 
-std::vector<Thing> make_things(const std::string &data) {
+std::vector<Thing> make_things(const std::string &data, Outcome &outcome) {
     const std::string battery = data + "/aircraft/battery_pack_skinny_b.stl";
-    const Vector yellow = {0.95, 0.75, 0.2}, green = {0.3, 0.7, 0.4}, blue = {0.3, 0.5, 0.85}, red = {0.85, 0.35, 0.3}, violet = {0.6, 0.4, 0.75};
+    const Vector yellow = {0.95, 0.75, 0.2}, green = {0.3, 0.7, 0.4}, blue = {0.3, 0.5, 0.85}, red = {0.85, 0.35, 0.3};
+    const Vector violet = {0.6, 0.4, 0.75};
     std::vector<Thing> things;
-    things.push_back(make_thing("battery 1", yellow, read_mesh(battery), {-0.1, 0.3, 0.05}));
-    things.push_back(make_thing("battery 2", yellow, read_mesh(battery), {0.15, 0.6, 0.1}));
-    things.push_back(make_thing("autopilot", green, make_box(0.2, 0.35, 0.12, 4), {0.1, 1.2, 0.15}));
-    things.push_back(make_thing("computer", blue, make_box(0.35, 0.25, 0.1, 4), {-0.2, -0.3, 0.1}));
-    things.push_back(make_thing("camera", red, make_box(0.2, 0.2, 0.2, 2), {0.25, 1.6, 0.0}));
-    things.push_back(make_thing("receiver", violet, make_box(0.15, 0.15, 0.08, 4), {-0.3, 0.9, 0.2}));
+    things.push_back(make_thing("battery 1", yellow, read_mesh(battery), {0.1, 0.2, -0.05}, outcome));
+    things.push_back(make_thing("battery 2", yellow, read_mesh(battery), {-0.1, 0.4, 0.2}, outcome));
+    things.push_back(make_thing("autopilot", green, make_box(0.2, 0.35, 0.12, 4), {0.1, 1.2, 0.15}, outcome));
+    things.push_back(make_thing("computer", blue, make_box(0.35, 0.25, 0.1, 4), {-0.2, -0.3, 0.1}, outcome));
+    things.push_back(make_thing("camera", red, make_box(0.2, 0.2, 0.2, 2), {0.25, 1.6, 0}, outcome));
+    things.push_back(make_thing("receiver", violet, make_box(0.15, 0.15, 0.08, 4), {-0.3, 0.9, 0.2}, outcome));
     return things;
 }
 
@@ -166,7 +166,8 @@ double exact_clearance(const std::vector<keepout::Mesh> &bodies, const keepout::
 }
 
 // From above, into the fuselage: of it only what faces away.
-void draw(const std::vector<Thing> &things, const std::vector<keepout::Mesh> &bodies, const keepout::Mesh &fuselage, const std::string &file) {
+void draw(const std::vector<Thing> &things, const std::vector<keepout::Mesh> &bodies, const keepout::Mesh &fuselage,
+          const std::string &file) {
     Picture picture(/*toward*/ {0.5, -0.35, 1}, /*up*/ {0, 1, 0});
     picture.add(fuselage.vertices(), fuselage.triangles(), {0.85, 0.88, 0.92}, Faces::back, 0);
     for (std::size_t i = 0; i < bodies.size(); ++i)
@@ -178,12 +179,10 @@ int run(const Arguments &arguments) {
     Outcome outcome;
     outcome.name = "packing";
     outcome.unit = "mm";
-    double begin = processor_seconds();
+    outcome.scale = dm;
     const keepout::Mesh fuselage = read_mesh(arguments.data + "/aircraft/fuselage_skinny_b.stl");
-    const keepout::Field inside = keepout::Field::fit(fuselage.sample(50000, /*seed*/ 1), fit_options(KO_FEASIBLE_INSIDE));
-    print_fit("fuselage", inside, "dm");
-    const std::vector<Thing> things = make_things(arguments.data);
-    outcome.seconds_fit = processor_seconds() - begin;
+    const keepout::Field inside = fit("the fuselage", fuselage, 50000, fit_options(KO_FEASIBLE_INSIDE), outcome);
+    const std::vector<Thing> things = make_things(arguments.data, outcome);
 
     // Each in the fuselage, and in the field of each other, both ways: an edge of one may be in a face of the other, or the reverse.
     keepout::Constraints kept = keepout::Constraints::create(3);
@@ -202,7 +201,8 @@ int run(const Arguments &arguments) {
                 kept.keep_body(things[i].body, frames[i], things[j].field, frames[j]);
     }
     outcome.start = dm * exact_clearance(all_placed(things, start), fuselage);
-    std::printf("%zu samples of bodies in fields; at the start they are up to %.1f mm in each other or in the wall\n", n_samples, -outcome.start);
+    std::printf("%zu samples of bodies in fields; at the start they are up to %.1f mm in each other or in the wall\n", n_samples,
+                -outcome.start);
     const Ipopt::SmartPtr<Problem> problem = new Packing(kept, start);
     solve(problem, /*unit*/ 1, outcome);
 
@@ -216,7 +216,7 @@ int run(const Arguments &arguments) {
         std::printf("%-9s at %6.1f %6.1f %6.1f mm, turned by %5.1f degrees\n", things[i].name, dm * pose[0], dm * pose[1], dm * pose[2],
                     2 * 180 / std::acos(-1.0) * std::atan2(std::hypot(pose[4], pose[5], pose[6]), std::fabs(pose[3])));
     }
-    std::printf("All %.4f times as large as they are; triangles of two are %.4f mm apart at least, and on their sides\n", x[7], apart);
+    std::printf("All %.4f times as large as given; triangles of two are %.4f mm apart at least, and on their sides\n", x[7], apart);
     if (!arguments.picture.empty())
         draw(things, bodies, fuselage, arguments.picture);
     outcome.exact = std::min(outcome.exact, apart);

@@ -35,7 +35,8 @@ public:
         : toward_(unit(toward)), right_(unit(cross(up, toward_))), up_(cross(toward_, right_)) {}
 
     // Shapes of a later layer are drawn over those of an earlier one, as if these were farther away. Colours are red, green, blue up to 1.
-    void add(const std::vector<double> &vertices, const std::vector<std::uint32_t> &triangles, const Vector &colour, Faces faces, int layer) {
+    void add(const std::vector<double> &vertices, const std::vector<std::uint32_t> &triangles, const Vector &colour, Faces faces,
+             int layer) {
         for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
             Drawn drawn{};
             Vector corners[3];
@@ -72,7 +73,9 @@ public:
         }
         constexpr double width = 900, rim = 10;
         const double scale = (width - 2 * rim) / (most_[0] - least_[0]), height = scale * (most_[1] - least_[1]) + 2 * rim;
-        std::fprintf(svg, "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f'>\n<rect width='100%%' height='100%%' fill='#fff'/>\n",
+        std::fprintf(svg,
+                     "<svg xmlns='http://www.w3.org/2000/svg' width='%.0f' height='%.0f'>\n"
+                     "<rect width='100%%' height='100%%' fill='#fff'/>\n",
                      width, height);
         for (const Drawn &drawn : drawn_) {
             // Its edges too, so that no gaps show between neighbours.

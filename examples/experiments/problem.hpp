@@ -31,7 +31,7 @@ public:
         Index row, column; // of a Hessian in the lower triangle
     };
 
-    // Keepout's part of the header that this one continues has no objective here: its weights are 0.
+    // The objective of ConstraintsNlp has weights of 0, and adds nothing.
     Problem(const keepout::Constraints &kept, std::vector<double> least, const std::vector<double> &start)
         : ConstraintsNlp(kept.get(), 0, std::vector<double>(start.size()), start, start), held(start.size()), lower_(std::move(least)),
           upper_(lower_.size(), unbounded), kept_(kept.size()) {}
@@ -158,8 +158,8 @@ public:
         return residual;
     }
 
-    // The largest difference of gradient and Hessian of the Lagrangian, for random multipliers, from central differences along random
-    // directions at x, over the largest entry. The step is a fraction of the length that x is measured in.
+    // How far gradient and Hessian of the Lagrangian, with random multipliers, differ from central differences along random directions at x,
+    // over the largest that was found; x is of the order of `unit`.
     std::pair<double, double> derivative_errors(double unit) {
         const Sizes s = sizes();
         std::mt19937 random(1);
@@ -232,12 +232,14 @@ private:
 
     std::vector<double> lower_, upper_;
     keepout::Constraints::Size kept_;
-    std::size_t n_hessian_ = 0; // entries of the header that this one continues
+    std::size_t n_hessian_ = 0; // entries of ConstraintsNlp
 };
 
-// What an experiment found. Lengths are in its unit; `field` is what the fields say of the clearance at the optimum, `exact` the meshes.
+// What an experiment found. Lengths are in `unit`, `scale` times what they are in the problem; `field` is what the fields say of the clearance
+// at the optimum, `exact` what the shapes say.
 struct Outcome {
     std::string name, unit;
+    double scale = 1;
     std::size_t n_unknowns = 0, n_values = 0;
     int iterations = 0;
     double seconds_fit = 0, seconds_solve = 0, start = 0, field = 0, exact = 0, wanted = 0, kkt = 0;
@@ -246,7 +248,7 @@ struct Outcome {
 
 constexpr double kkt_limit = 1e-6;
 
-// IPOPT with exact Hessians. True where it ends as it should, and the derivatives are those of the values.
+// By IPOPT with exact Hessians, once the derivatives are checked; x is of the order of `unit`.
 inline void solve(const Ipopt::SmartPtr<Problem> &problem, double unit, Outcome &outcome) {
     const auto [first, second] = problem->derivative_errors(unit);
     std::printf("Derivatives differ from differences by %.1e, second ones by %.1e of the largest\n", first, second);
@@ -317,9 +319,17 @@ inline keepout::FitOptions fit_options(std::int32_t feasible) {
     return options;
 }
 
-inline void print_fit(const char *name, const keepout::Field &field, const char *unit) {
-    const ko_fit_report report = field.report();
-    std::printf("%s: %llu control points, misses its shape by %.5f %s at most, %.5f %s RMS\n", name,
-                static_cast<unsigned long long>(report.n_unknowns), report.max * report.diagonal, unit, report.rms * report.diagonal, unit);
+// Of `n_points` points of `mesh`, lengths in the outcome's unit; tells of it, and adds its time.
+inline keepout::Field fit(const char *name, const keepout::Mesh &mesh, std::size_t n_points, const keepout::FitOptions &options,
+                          Outcome &outcome) {
+    std::printf("Fitting %s ...\n", name);
     std::fflush(stdout);
+    const double begin = processor_seconds();
+    keepout::Field field = keepout::Field::fit(mesh.sample(n_points, /*seed*/ 1), options);
+    outcome.seconds_fit += processor_seconds() - begin;
+    const ko_fit_report report = field.report();
+    std::printf("  %llu control points, %.5f %s from the shape at most, %.5f %s RMS\n", static_cast<unsigned long long>(report.n_unknowns),
+                report.max * report.diagonal * outcome.scale, outcome.unit.c_str(), report.rms * report.diagonal * outcome.scale,
+                outcome.unit.c_str());
+    return field;
 }
