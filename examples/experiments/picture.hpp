@@ -104,7 +104,8 @@ private:
 };
 
 // A tube of eight sides around a path of points [3 * n].
-inline void make_tube(const std::vector<double> &path, double radius, std::vector<double> &vertices, std::vector<std::uint32_t> &triangles) {
+inline void make_tube(const std::vector<double> &path, double radius, std::vector<double> &vertices,
+                      std::vector<std::uint32_t> &triangles) {
     constexpr std::uint32_t around = 8;
     const std::size_t n = path.size() / 3;
     const auto at = [&](std::size_t i) { return Vector{path[3 * i], path[3 * i + 1], path[3 * i + 2]}; };

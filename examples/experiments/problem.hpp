@@ -158,8 +158,8 @@ public:
         return residual;
     }
 
-    // How far gradient and Hessian of the Lagrangian, with random multipliers, differ from central differences along random directions at x,
-    // over the largest that was found; x is of the order of `unit`.
+    // How far gradient and Hessian of the Lagrangian, with random multipliers, differ from central differences along random directions at
+    // x, over the largest that was found; x is of the order of `unit`.
     std::pair<double, double> derivative_errors(double unit) {
         const Sizes s = sizes();
         std::mt19937 random(1);
@@ -235,8 +235,8 @@ private:
     std::size_t n_hessian_ = 0; // entries of ConstraintsNlp
 };
 
-// What an experiment found. Lengths are in `unit`, `scale` times what they are in the problem; `field` is what the fields say of the clearance
-// at the optimum, `exact` what the shapes say.
+// What an experiment found. Lengths are in `unit`, `scale` times what they are in the problem; `field` is what the fields say of the
+// clearance at the optimum, `exact` what the shapes say.
 struct Outcome {
     std::string name, unit;
     double scale = 1;
@@ -279,7 +279,8 @@ inline void solve(const Ipopt::SmartPtr<Problem> &problem, double unit, Outcome 
 
 // Prints the table. True where the start was in collision, the end is an optimum, and exactly as clear as it was to be.
 inline bool report(const Outcome &o) {
-    std::printf("\n| problem | unknowns | constraints | iterations | fit | solve | exact at the start | by the field | exact | wanted | KKT |\n"
+    std::printf("\n| problem | unknowns | constraints | iterations | fit | solve | exact at the start | by the field | exact | wanted "
+                "| KKT |\n"
                 "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n"
                 "| %s | %zu | %zu | %d | %.2f s | %.2f s | %.4f %s | %.4f %s | %.4f %s | > %.4f %s | %.1e |\n\n",
                 o.name.c_str(), o.n_unknowns, o.n_values, o.iterations, o.seconds_fit, o.seconds_solve, o.start, o.unit.c_str(), o.field,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0 OR MIT
-// A wind farm in the Borssele IIIa boundary: 25 turbines of 10 MW, placed by IPOPT so that as little energy as may be is lost in each other's
-// wakes, all of them in the boundary, none nearer to another than two rotor diameters. Every turbine in the boundary is proved by the
-// field's certificate, and checked by exact distances to the polygon.
+// A wind farm in the Borssele IIIa boundary: 25 turbines of 10 MW, placed by IPOPT so that as little energy as may be is lost in each
+// other's wakes, all of them in the boundary, none nearer to another than two rotor diameters. The field's certificate proves that turbines
+// are in the boundary, and exact distances to the polygon check it.
 //
 //   keepout_wind_farm DATA [PICTURE.svg]
 #include "problem.hpp"
@@ -256,8 +256,8 @@ void draw(const keepout::Mesh &site, const std::vector<double> &start, const std
         svg << (i == 0 ? "M" : "L") << corners[i] << ' ' << -corners[i + 1];
     svg << "z'/>\n";
     for (std::size_t i = 0; i < x.size(); i += 2) {
-        svg << "<path stroke='#bbb' stroke-width='.015' d='M" << start[i] << ' ' << -start[i + 1] << 'L' << x[i] << ' ' << -x[i + 1] << "'/>"
-            << "<circle cx='" << start[i] << "' cy='" << -start[i + 1] << "' r='.03' fill='#bbb'/>\n";
+        svg << "<path stroke='#bbb' stroke-width='.015' d='M" << start[i] << ' ' << -start[i + 1] << 'L' << x[i] << ' ' << -x[i + 1]
+            << "'/><circle cx='" << start[i] << "' cy='" << -start[i + 1] << "' r='.03' fill='#bbb'/>\n";
     }
     for (std::size_t i = 0; i < x.size(); i += 2) {
         svg << "<circle cx='" << x[i] << "' cy='" << -x[i + 1] << "' r='" << spacing / 2 << "' fill='#3182bd' fill-opacity='.25'/>"
@@ -273,8 +273,8 @@ int run(const Arguments &arguments) {
     outcome.name = "wind farm";
     outcome.unit = "km";
 
-    // Not refined: the boundary ends in a splinter, 10 m long and less than 1 m wide, and phi as fine as that may have a top within it, where
-    // no room is for a turbine and IPOPT gets stuck.
+    // Not refined: the boundary ends in a splinter, 10 m long and less than 1 m wide, and phi as fine as that may have a top within it,
+    // where no room is for a turbine and IPOPT gets stuck.
     const keepout::Field field = fit("the boundary", site, 20000, fit_options(KO_FEASIBLE_INSIDE), outcome);
 
     // Where phi is above the threshold a turbine is in the boundary, whatever the field's error.
@@ -294,15 +294,16 @@ int run(const Arguments &arguments) {
     const double year = rated_power * std::pow((wind_speed - cut_in) / (rated - cut_in), 3) * 8760 / 1000;
     const auto energy = [&](double lost) { return year * (n_turbines - lost); };
     outcome.start = exact_clearance(site, start);
-    std::printf("Start: %.2f GWh a year, %.4f km from the boundary, %.4f km from each other\n", energy(lost_power(start.data(), nullptr, nullptr)),
-                outcome.start, nearest_pair(start));
+    std::printf("Start: %.2f GWh a year, %.4f km from the boundary, %.4f km from each other\n",
+                energy(lost_power(start.data(), nullptr, nullptr)), outcome.start, nearest_pair(start));
     solve(problem, /*unit*/ 1, outcome);
 
     const std::vector<double> &x = problem->x, values = kept.values(x);
     outcome.field = *std::min_element(values.begin(), values.end());
     outcome.exact = exact_clearance(site, x);
     const double lost = lost_power(x.data(), nullptr, nullptr), nearest = nearest_pair(x);
-    std::printf("End:   %.2f GWh a year, of %.2f without wakes; %.4f km from each other, %.4f wanted\n", energy(lost), energy(0), nearest, spacing);
+    std::printf("End:   %.2f GWh a year, of %.2f without wakes; %.4f km from each other, %.4f wanted\n", energy(lost), energy(0), nearest,
+                spacing);
     if (!arguments.picture.empty())
         draw(site, start, x, arguments.picture);
     outcome.solved = outcome.solved && nearest > spacing * (1 - 1e-6);
