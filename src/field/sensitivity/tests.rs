@@ -3,7 +3,7 @@
 use super::form::Form;
 use super::*;
 use crate::field::Outputs;
-use crate::geometry::shapes::{box_mesh, sphere};
+use crate::geometry::shapes::sphere;
 use crate::geometry::vec::{add, norm, scale, sub};
 use std::ops::ControlFlow;
 
@@ -50,8 +50,8 @@ fn solves_do_not_depend_on_those_before_nor_on_threads() {
 
 #[test]
 fn refined_solves_have_the_same_bits_on_any_number_of_threads() {
-    let cloud = box_mesh([0.0; 3], [1.0, 1.5, 2.0]).unwrap().sample(1500, 1).unwrap();
-    let options = FitOptions { max_error: 3e-3, tolerance: 1e-8, ..options(9) };
+    let cloud = ball(900);
+    let options = FitOptions { max_error: 1e-3, tolerance: 1e-8, ..options(8) };
     let field = Field::fit(&cloud, &options, &mut Progress::silent()).unwrap();
     assert!(field.is_refined());
     let on = |n_threads: u32| {
