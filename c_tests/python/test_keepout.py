@@ -560,7 +560,7 @@ class Sensitivities(TestCase):
         point = [1.1, 0.5, 0.6]
         by = sensitivity.solve(point)
         self.assertEqual(by.normals.shape, (500, 3))
-        twice = sensitivity.solve(point, [2.0], small_fit(n_threads=2))
+        twice = sensitivity.solve(point, [2.0], FitOptions(n_threads=2))
         np.testing.assert_array_equal(twice.points, 2 * by.points)
         by_vertices = cloud.pull_back(mesh, by.points, by.normals)
         np.testing.assert_allclose(by_vertices.sum(axis=0), by.points.sum(axis=0), atol=1e-9)
