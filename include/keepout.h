@@ -632,7 +632,7 @@ typedef struct ko_fit_report {
      */
     uint64_t n_points;
     /**
-     * Bytes that the field holds.
+     * Bytes that the field holds for evaluation. A field that was fitted, not loaded, remembers besides up to 24 bytes a point and 16 a cell.
      */
     uint64_t bytes;
     /**
