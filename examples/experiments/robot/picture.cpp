@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <stdexcept>
 
 namespace {
 
-constexpr double scale = 6, margin = 12; // pixels a mm; mm around what is drawn
+constexpr double scale = 9, margin = 16; // pixels a mm; mm around what is drawn
 
 Vec3 difference(const Vec3 &a, const Vec3 &b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 double dot(const Vec3 &a, const Vec3 &b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -32,7 +33,11 @@ struct View {
     double side(const double *p) const { return dot(difference({p[0], p[1], p[2]}, origin), normal); }
 };
 
-std::string pixels(double mm) { return std::to_string(scale * mm); }
+std::string pixels(double mm) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f", scale * mm);
+    return text;
+}
 
 std::string moved(const View &view, const std::array<double, 2> &at) {
     return pixels(at[0] - view.left) + " " + pixels(view.height - (at[1] - view.bottom)) + " ";
@@ -82,7 +87,7 @@ void write_picture(const std::string &file, const keepout::Mesh &mesh, const Vec
     const std::vector<std::array<double, 2>> wall = section(mesh, view);
     for (std::size_t k = 0; k < panels.size(); ++k) {
         const Panel &panel = panels[k];
-        svg << "<g clip-path='url(#panel)' transform='translate(" << pixels(view.width * k) << " 0)' fill='none' stroke-linecap='round'>\n";
+        svg << "<g clip-path='url(#panel)' transform='translate(" << pixels(view.width * k) << " 0)' fill='none' stroke-linejoin='round'>\n";
         svg << "<path stroke='black' stroke-width='1.5' d='";
         for (std::size_t i = 0; i + 1 < wall.size(); i += 2)
             svg << "M" << moved(view, wall[i]) << "L" << moved(view, wall[i + 1]);
@@ -90,9 +95,15 @@ void write_picture(const std::string &file, const keepout::Mesh &mesh, const Vec
         for (std::size_t r = 0; r < panel.robots.size(); ++r) {
             const std::vector<double> &points = panel.robots[r];
             const bool last = r + 1 == panel.robots.size();
-            for (std::size_t j = 3; j < points.size(); j += 3)
-                svg << "<path stroke='" << (last ? "#1f5fa8" : "#a8c8e8") << "' stroke-width='" << pixels(2 * panel.radii[r][j / 3]) << "' d='M"
-                    << moved(view, view.at(&points[j - 3])) << "L" << moved(view, view.at(&points[j])) << "'/>\n";
+            // A stroke for each part of one radius, with every tenth of its points: the picture needs no more.
+            const std::vector<double> &radii = panel.radii[r];
+            for (std::size_t first = 0, end; first < radii.size(); first = end) {
+                end = std::find_if(radii.begin() + first, radii.end(), [&](double radius) { return radius != radii[first]; }) - radii.begin();
+                svg << "<path stroke='" << (last ? "#1f5fa8" : "#a8c8e8") << "' stroke-width='" << pixels(2 * radii[first]) << "' d='";
+                for (std::size_t j = first; j < end; j += 10)
+                    svg << (j == first ? "M" : "L") << moved(view, view.at(&points[3 * j]));
+                svg << "L" << moved(view, view.at(&points[3 * (end - 1)])) << "'/>\n";
+            }
         }
         svg << "<path stroke='#d05010' stroke-width='1.5' stroke-dasharray='5 4' d='";
         for (std::size_t j = 0; j < panel.path.size(); j += 3)

@@ -300,7 +300,7 @@ int run_all(const std::string &data, const std::string &picture, unsigned n_star
         std::vector<Panel> panels;
         for (const Outcome *found : {&field, &lin}) {
             const Dense shown = check_robot(tubes, found->poses, mesh);
-            panels.push_back({std::string(found->name) + ": path, and robot at points of it", found->curve, shown.points, shown.radii});
+            panels.push_back({std::string(found->name) + ": path and robot", found->curve, shown.points, shown.radii});
         }
         const std::vector<double> &curve = field.curve;
         const std::size_t middle = curve.size() / 6 * 3;
