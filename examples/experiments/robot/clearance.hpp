@@ -5,8 +5,6 @@
 #include <keepout.hpp>
 
 #include <ctime>
-#include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 

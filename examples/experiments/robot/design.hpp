@@ -3,8 +3,8 @@
 // the whole robot outside the anatomy.
 //
 // Variables: curvatures and curved lengths of the tubes, tilt of the guide; at each point of the path the tubes' tip angles and ends.
-// Constraints, at each point of the path: the tip's three coordinates; KS of the clearance along the robot; tubes end in order.
-// Objective: squares of what tip angles and ends change by from one point to the next, and of strains in the tubes.
+// Constraints, at each point of the path: the tip's three coordinates, near the point's; KS of the clearance along the robot; tubes end in order.
+// Objective: squares of what tip angles and ends change by from one point to the next, of strains, and of curved lengths.
 #pragma once
 
 #include "clearance.hpp"
