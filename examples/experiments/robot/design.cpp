@@ -37,7 +37,8 @@ double seconds_since(std::clock_t begin) { return static_cast<double>(std::clock
 
 } // namespace
 
-DesignProblem::DesignProblem(const Tubes &tubes, const std::vector<double> &targets, Clearance &clearance, const LeastOf &least_of, double least)
+DesignProblem::DesignProblem(const Tubes &tubes, const std::vector<double> &targets, Clearance &clearance, const LeastOf &least_of,
+                             double least)
     : tubes_(tubes), targets_(targets), clearance_(clearance), least_of_(least_of), shapes_(targets.size() / 3) {
     variables.resize(n_common + n_own * n_poses());
     for (std::size_t pose = 0; pose < n_poses(); ++pose) {

@@ -54,7 +54,8 @@ std::vector<std::array<double, 2>> section(const keepout::Mesh &mesh, const View
             const double a = view.side(p), b = view.side(q);
             if ((a < 0) == (b < 0))
                 continue;
-            const double share = a / (a - b), cut[3] = {p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1]), p[2] + share * (q[2] - p[2])};
+            const double share = a / (a - b);
+            const double cut[3] = {p[0] + share * (q[0] - p[0]), p[1] + share * (q[1] - p[1]), p[2] + share * (q[2] - p[2])};
             ends.push_back(view.at(cut));
         }
     return ends;
@@ -62,7 +63,8 @@ std::vector<std::array<double, 2>> section(const keepout::Mesh &mesh, const View
 
 } // namespace
 
-void write_picture(const std::string &file, const keepout::Mesh &mesh, const Vec3 &a, const Vec3 &b, const Vec3 &c, const std::vector<Panel> &panels) {
+void write_picture(const std::string &file, const keepout::Mesh &mesh, const Vec3 &a, const Vec3 &b, const Vec3 &c,
+                   const std::vector<Panel> &panels) {
     View view;
     view.origin = a;
     view.right = unit(difference(b, a));

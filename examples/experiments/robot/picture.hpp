@@ -18,4 +18,5 @@ struct Panel {
 };
 
 // Panels side by side, cut by the plane through three points.
-void write_picture(const std::string &file, const keepout::Mesh &mesh, const Vec3 &a, const Vec3 &b, const Vec3 &c, const std::vector<Panel> &panels);
+void write_picture(const std::string &file, const keepout::Mesh &mesh, const Vec3 &a, const Vec3 &b, const Vec3 &c,
+                   const std::vector<Panel> &panels);

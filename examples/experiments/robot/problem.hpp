@@ -122,8 +122,8 @@ public:
         return true;
     }
 
-    void finalize_solution(Ipopt::SolverReturn, Index n, const Number *at, const Number *, const Number *, Index, const Number *, const Number *,
-                           Number, const Ipopt::IpoptData *, Ipopt::IpoptCalculatedQuantities *) override {
+    void finalize_solution(Ipopt::SolverReturn, Index n, const Number *at, const Number *, const Number *, Index, const Number *,
+                           const Number *, Number, const Ipopt::IpoptData *, Ipopt::IpoptCalculatedQuantities *) override {
         x.assign(at, at + n);
     }
 

@@ -157,7 +157,8 @@ void design_robot(Outcome &found, Clearance &clearance, const keepout::Mesh &mes
         found.poses.push_back(design.parameters(found.design.x.data(), k));
         solve(tubes, found.poses.back(), shape);
         const Vec3 tip = shape.tip();
-        found.tip_error = std::max(found.tip_error, std::hypot(tip[0] - targets[3 * k], tip[1] - targets[3 * k + 1], tip[2] - targets[3 * k + 2]));
+        const double *target = &targets[3 * k];
+        found.tip_error = std::max(found.tip_error, std::hypot(tip[0] - target[0], tip[1] - target[1], tip[2] - target[2]));
     }
     found.robot_clearance = check_robot(tubes, found.poses, mesh).clearance;
 }
@@ -200,8 +201,8 @@ void print_robot(const Tubes &tubes, const Outcome &found) {
 }
 
 void print_table(const Outcome &field, const Outcome &lin) {
-    std::printf("\n%-22s %9s | %11s %9s | %11s %9s | %9s | %9s %9s\n", "", "fit", "path: eval.", "time", "design: ev.", "time", "all", "clearance:",
-                "robot");
+    std::printf("\n%-22s %9s | %11s %9s | %11s %9s | %9s | %9s %9s\n", "", "fit", "path: eval.", "time", "design: ev.",
+                "time", "all", "clearance:", "robot");
     std::printf("%-22s %9s | %11s %9s | %11s %9s | %9s | %10s %8s\n", "", "s", "", "s", "", "s", "s", "path, mm", "mm");
     for (const Outcome *found : {&lin, &field})
         std::printf("%-22s %9.2f | %11d %9.2f | %11d %9.2f | %9.2f | %10.2f %8.2f\n", found->name, found->fit_seconds, found->path.evaluations,
@@ -209,12 +210,12 @@ void print_table(const Outcome &field, const Outcome &lin) {
                     found->robot_clearance);
     std::printf("%-22s %9s | %11d %9.1f | %11d %9d | %9.1f |\n", "paper, Lin et al.", "", 37, 4.2, 35142, 11460, 11464.2);
     std::printf("%-22s %9.1f | %11d %9.1f | %11d %9d | %9.1f |\n", "paper, field", 8.7, 62, 0.9, 20793, 5040, 5049.6);
-    std::printf("\nTimes are of the processor, one thread. The field takes %.2f of the time with Lin's formulation, its fit included (limit 0.33; the "
-                "paper: 0.44)\n",
+    std::printf("\nTimes are of the processor, one thread. The field takes %.2f of the time with Lin's formulation, its fit "
+                "included (limit 0.33; the paper: 0.44)\n",
                 field.seconds() / lin.seconds());
     for (const Outcome *found : {&lin, &field})
-        std::printf("Of the design's time with %s: %.2f s in the formulation, %.2f s in the model of the robot, the rest IPOPT's own\n", found->name,
-                    found->formulation_seconds, found->model_seconds);
+        std::printf("Of the design's time with %s: %.2f s in the formulation, %.2f s in the model of the robot, the rest IPOPT's own\n",
+                    found->name, found->formulation_seconds, found->model_seconds);
 }
 
 // Of all the starts: what each took, and the mean.
@@ -227,8 +228,9 @@ bool compare_starts(Outcome &lin, Clearance &by_lin, Outcome &field, Clearance &
         found[0].push_back(lin);
         found[1].push_back(field);
     }
-    std::printf("\nFit, path and design from each start; exact clearance [mm]\n%-6s | %-33s | %-33s | %s\n%-6s | %11s %9s %11s | %11s %9s %11s |\n", "",
-                "Lin's formulation", "field", "field / Lin", "start", "design: ev.", "all, s", "clearance", "design: ev.", "all, s", "clearance");
+    std::printf("\nFit, path and design from each start; exact clearance [mm]\n%-6s | %-33s | %-33s | %s\n%-6s | %11s %9s %11s | %11s %9s %11s |\n",
+                "", "Lin's formulation", "field", "field / Lin", "start",
+                "design: ev.", "all, s", "clearance", "design: ev.", "all, s", "clearance");
     double sum[2] = {0, 0};
     bool good = true;
     for (unsigned start = 0; start < n_starts; ++start) {
@@ -241,7 +243,8 @@ bool compare_starts(Outcome &lin, Clearance &by_lin, Outcome &field, Clearance &
         }
         std::printf(" %.2f\n", found[1][start].seconds() / found[0][start].seconds());
     }
-    std::printf("%-6s | %11s %9.2f %11s | %11s %9.2f %11s | %.2f\n", "mean", "", sum[0] / n_starts, "", "", sum[1] / n_starts, "", sum[1] / sum[0]);
+    std::printf("%-6s | %11s %9.2f %11s | %11s %9.2f %11s | %.2f\n", "mean", "", sum[0] / n_starts, "", "",
+                sum[1] / n_starts, "", sum[1] / sum[0]);
     return good;
 }
 
@@ -261,7 +264,8 @@ int run_all(const std::string &data, const std::string &picture, unsigned n_star
     const double fit_seconds = processor_seconds() - begin;
     const ko_fit_report report = fitted.report();
     std::printf("Field: %u x %u x %u control points, fitted to %zu points in %.2f s; on the surface %.1e D RMS, %.1e D at most\n",
-                report.control_points[0], report.control_points[1], report.control_points[2], n_field_points, fit_seconds, report.rms, report.max);
+                report.control_points[0], report.control_points[1], report.control_points[2], n_field_points, fit_seconds, report.rms,
+                report.max);
     begin = processor_seconds();
     keepout::ExplicitOptions lin_options;
     lin_options.formulation = KO_EXPLICIT_LIN;
@@ -280,8 +284,8 @@ int run_all(const std::string &data, const std::string &picture, unsigned n_star
             for (std::size_t k = 0; k < x.size(); ++k)
                 x[k] += 0.1 * std::sin(static_cast<double>(k + 1));
         const double errors[2] = {derivative_error(path, at[0]), derivative_error(design, at[1])};
-        std::printf("Derivatives with %s, to central differences, relative: path %.1e, design %.1e\n", clearance == &by_field ? "the field" : "Lin's sum",
-                    errors[0], errors[1]);
+        std::printf("Derivatives with %s, to central differences, relative: path %.1e, design %.1e\n",
+                    clearance == &by_field ? "the field" : "Lin's sum", errors[0], errors[1]);
         if (errors[0] > 1e-5 || errors[1] > 1e-5)
             return 1;
     }

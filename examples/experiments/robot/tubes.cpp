@@ -187,8 +187,10 @@ void pull(const Shape &shape, const double *forces, Parameters &gradient) {
         const Arc arc(a * a + b * b);
         const Vec3 f = transposed_times(shape.frames[j], force);
         const std::array<double, 2> turn = turned(transposed_times(shape.frames[j], moment), a, b, arc);
-        const double by_a = turn[0] + h * dot(f, {2 * a * b * arc.cosine_slope, -arc.cosine - 2 * a * a * arc.cosine_slope, 2 * a * arc.sine_slope});
-        const double by_b = turn[1] + h * dot(f, {arc.cosine + 2 * b * b * arc.cosine_slope, -2 * a * b * arc.cosine_slope, 2 * b * arc.sine_slope});
+        const double by_a = turn[0] + h * dot(f, {2 * a * b * arc.cosine_slope,
+                                                    -arc.cosine - 2 * a * a * arc.cosine_slope, 2 * a * arc.sine_slope});
+        const double by_b = turn[1] + h * dot(f, {arc.cosine + 2 * b * b * arc.cosine_slope,
+                                                    -2 * a * b * arc.cosine_slope, 2 * b * arc.sine_slope});
         const double by_h = dot(f, {b * arc.cosine, -a * arc.cosine, arc.sine});
         for (int k = 0; k < tilt_0; ++k)
             gradient[k] += by_a * shape.bend_x[j].by[k] + by_b * shape.bend_y[j].by[k];
@@ -257,7 +259,8 @@ Vec3 rigid_tip(const Tubes &tubes, const Parameters &parameters) {
         for (int i = 0; i < 3; ++i)
             point[i] += step[i];
         const double c = std::cos(turn), s = std::sin(turn), a = axis[0], b = axis[1];
-        frame = times(frame, Mat3{c + a * a * (1 - c), a * b * (1 - c), b * s, a * b * (1 - c), c + b * b * (1 - c), -a * s, -b * s, a * s, c});
+        frame = times(frame, Mat3{c + a * a * (1 - c), a * b * (1 - c), b * s, a * b * (1 - c), c + b * b * (1 - c), -a * s,
+                                  -b * s, a * s, c});
     }
     return point;
 }
