@@ -1,5 +1,5 @@
 //! Evaluation in batches: value, gradient and Hessian, each where wanted. Nothing here allocates or locks, but for
-//! [`Field::eval_parallel`], which does so once a call, and large batches of large fields, which are put in [`order`](super::order).
+//! [`Field::eval_parallel`], which does so once a call, and large batches of large fields, which are put in order.
 
 use super::Field;
 use super::groups::by_groups;

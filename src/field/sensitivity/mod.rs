@@ -22,7 +22,7 @@
 //! | `chain` | from phi and psi to dJ/dp and dJ/dn |
 //!
 //! What stands still: the box, D, the weights, the cells and their levels, what each point counts for after the rounds of reweighting (the
-//! field [remembers](super::weighed)), and of the distances held in which cells they are, how much they count there, their sign and q. The
+//! field remembers, `weighed`), and of the distances held in which cells they are, how much they count there, their sign and q. The
 //! distances themselves follow the points: far from the surface it is they that phi follows. So this is the derivative of the field
 //! that [`Field::refit`] gives with [`Reweighting::Kept`](super::Reweighting::Kept). It is smooth in the points but where one crosses to a
 //! cell of another level.
