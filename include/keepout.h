@@ -1394,7 +1394,7 @@ int32_t ko_field_copy_control_points(const struct ko_field *field,
  * Threads: any number at once. Cost: 10 to 20 ns a point with gradient on one thread where the field fits into a cache, twice that without
  * AVX2, some two to three times where it is refined, and some 150 ns outside the box; no allocation, no lock. A field of more than some 8
  * MB waits for memory, up to 160 ns a point: there batches of a point and more for 256 control points, and of 8192 at least, are taken in
- * an order that keeps to the same control points, for which some 7 bytes a point are allocated, 4 MB at most, and half the time is saved;
+ * an order that keeps to the same control points, for which some 7 bytes a point are allocated, 4 MB at most, and up to half the time is saved;
  * where they cannot be had, points are taken as they come.
  */
 int32_t ko_field_eval(const struct ko_field *field,
