@@ -85,27 +85,27 @@ under_valgrind() (
         formulations errors golden)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
-    running=() names=()
-    # Waits for the one that was started first, and shows what it wrote.
+    declare -A running=()
+    # Waits for one that ends, and shows what it wrote.
     finish() {
-        local passed=1
-        wait "${running[0]}" || passed=0
-        echo "${names[0]}"
-        cat "$room/${names[0]}.log"
-        ((passed)) || { echo "${names[0]} failed under valgrind"; exit 1; }
-        running=("${running[@]:1}") names=("${names[@]:1}")
+        local passed=1 ended
+        wait -n -p ended "${!running[@]}" || passed=0
+        echo "${running[$ended]}"
+        cat "$room/${running[$ended]}.log"
+        ((passed)) || { echo "${running[$ended]} failed under valgrind"; exit 1; }
+        unset "running[$ended]"
     }
     for program in "${programs[@]}"; do
         ((${#running[@]} < $(nproc))) || finish
         arguments=()
         [[ $program == golden ]] && arguments=("$root/c_tests/golden")
-        [[ $program == certify ]] && arguments=(quick)
+        [[ $program == certify || $program == sensitivity ]] && arguments=(quick)
         [[ $program == bad_data ]] && arguments=("$(realpath "$data")")
         mkdir "$room/$program" || exit 1
         (cd "$room/$program" && exec valgrind --quiet --error-exitcode=1 --leak-check=full \
             --show-leak-kinds=definite,indirect,possible --errors-for-leak-kinds=definite,indirect,possible \
             --suppressions="$root/c_tests/valgrind.supp" "$build/c_tests/$program" "${arguments[@]}") >"$room/$program.log" 2>&1 &
-        running+=($!) names+=("$program")
+        running[$!]=$program
     done
     while ((${#running[@]})); do finish; done
 )

@@ -505,7 +505,6 @@ contains
     call field%fit(cloud, options)
     call sensitivity%create(field, cloud, options)
     call sensitivity%solve(point, d_points=by_points, d_normals=by_normals)
-    options%n_threads = 2
     call sensitivity%solve(point, [2.0_c_double], twice, options=options)
     call near(maxval(abs(twice - 2 * by_points)), 0.0_c_double, 0.0_c_double, "sensitivity%solve")
     call cloud%pull_back(mesh, by_vertices, by_points, by_normals)
