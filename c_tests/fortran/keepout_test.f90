@@ -501,7 +501,7 @@ contains
     call mesh%sample(500, 1, cloud)
     call cloud%follow(mesh, same)
     call holds(same%n_points() == 500, "cloud%follow")
-    options = small_fit(8)
+    options = small_fit(5)
     call field%fit(cloud, options)
     call sensitivity%create(field, cloud, options)
     call sensitivity%solve(point, d_points=by_points, d_normals=by_normals)
