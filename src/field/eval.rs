@@ -90,7 +90,8 @@ impl<const D: usize> Field<D> {
         outputs.check(points.len())?;
         Workers::check(n_threads)?;
         let mut rest = outputs;
-        // What is put in order is best put so in large parts, four a thread so that none waits long for another.
+        // What is put in order is best put so in large parts, four a thread so that none waits long for another: no point depends on others,
+        // so parts may depend on the number of threads.
         let large = if self.is_large() { points.len().div_ceil(4 * par::count(n_threads)).min(order::MOST) } else { 0 };
         let part = ITEM.max(large);
         let mut items = try_with_capacity(points.len().div_ceil(part), "the parts of a batch")?;
