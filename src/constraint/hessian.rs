@@ -10,11 +10,11 @@
 
 use super::aggregation::{Aggregate, SampleWeight};
 use super::layout::{BlockOf, Layout};
-use super::matrix::{Affine, applied, applied_transposed, matrix, product, transposed};
 use super::moments::{AddSecondMoments, BLOCK, SecondMoments};
 use super::relative::{MOST, Relative};
 use super::term::{Block, Samples, Term, blocks, pulled_back};
 use crate::field::Outputs;
+use crate::geometry::matrix::{Affine, applied, applied_transposed, matrix, product, transposed};
 use crate::geometry::vec::{add, dot, scale};
 use crate::isa::dispatch;
 use crate::spline::kernel::Hessian;

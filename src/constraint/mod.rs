@@ -27,7 +27,6 @@ mod exponential;
 pub mod formulations;
 mod hessian;
 mod layout;
-mod matrix;
 mod moments;
 pub mod pose;
 mod relative;

@@ -8,7 +8,7 @@
 
 use super::aggregation::{Aggregation, Kind, SampleWeight, SoftMin, slope, y_of};
 use super::exponential::exp_of_negative;
-use super::matrix::Affine;
+use crate::geometry::matrix::Affine;
 use crate::isa::{Isa, Kernel};
 
 /// Samples that are looked at at once.

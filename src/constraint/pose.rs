@@ -5,7 +5,7 @@
 //! I + A(s) V + B(s) V^2 with V the matrix of the cross product with v, s = v . v, A = sin(theta) / theta, B = (1 - cos(theta)) / theta^2,
 //! theta = |v| (Rodrigues), by series where s is small; that of an angle in the plane is counter-clockwise.
 
-use super::matrix::{Matrix, diagonal, matrix, scaled, transposed};
+use crate::geometry::matrix::{Matrix, diagonal, matrix, scaled, transposed};
 use crate::{Error, Result};
 
 /// How a frame is turned.
@@ -334,8 +334,8 @@ fn rodrigues(s: f64) -> [[f64; 3]; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::matrix::product;
     use super::*;
+    use crate::geometry::matrix::product;
     use crate::geometry::random::SplitMix64;
 
     fn kinds<const D: usize>() -> Vec<PoseKind> {

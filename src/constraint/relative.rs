@@ -3,8 +3,8 @@
 //! With y = L_A p + t_A and z = K_B (y - t_B): z = M p + m, M = K_B L_A, m = K_B (t_A - t_B). All that poses do to a constraint goes
 //! through these numbers, so a constraint is differentiated by them, sample by sample, and by the parameters once.
 
-use super::matrix::{Affine, applied, product};
 use super::pose::{MOST_PARAMETERS, Pose};
+use crate::geometry::matrix::{Affine, applied, product};
 use crate::geometry::vec::sub;
 
 /// Parameters of both frames, at most.

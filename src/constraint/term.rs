@@ -6,11 +6,11 @@
 use super::aggregation::{Aggregate, Aggregation, Kind, SampleWeight, SoftMin};
 use super::body::{Body, with_one};
 use super::layout::{BlockOf, Span};
-use super::matrix::{Affine, applied_transposed};
 use super::moments::{BLOCK, Exponentials, Moments, Place};
 use super::relative::Relative;
 use crate::Result;
 use crate::field::{Field, Outputs};
+use crate::geometry::matrix::{Affine, applied_transposed};
 use crate::geometry::vec::{add, scale};
 use crate::isa::dispatch;
 use std::ops::Range;

@@ -1,6 +1,6 @@
 //! Arithmetic of small square matrices, and affine maps.
 
-use crate::geometry::vec::{add, dot};
+use super::vec::{add, dot};
 
 /// Rows of a square matrix.
 pub type Matrix<const D: usize> = [[f64; D]; D];

@@ -1,0 +1,64 @@
+//! Closure: from any pair of parts to one that never collides and cannot grow.
+//!
+//! With A_i the cells that part i may have, and N(.) their neighbours in the conflict graph, two passes do it, S_2 := A_2 \ N(S_1), then
+//! S_1 := A_1 \ N(S_2): the second gives back to part 1 all that part 2 leaves room for, so S_1 never shrinks, and then neither part can
+//! grow, since whatever is not in S_2 is a neighbour of the S_1 that one began with, which S_1 still holds.
+
+use super::bits::Bits;
+use super::conflict::{Conflicts, Side};
+use super::part::Part;
+use crate::{Error, Result};
+
+/// A pair of parts, by their cells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Pair {
+    /// The cells of part 1 and of part 2.
+    pub cells: [Bits; 2],
+}
+
+impl Pair {
+    /// How many cells part `side` has.
+    pub fn count(&self, side: Side) -> usize {
+        self.cells[side.index()].count()
+    }
+}
+
+/// The cells that each part may have beside those that the other must: A_1 \ N(frozen_2), A_2 \ N(frozen_1).
+pub fn room<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2]) -> Result<[Bits; 2]> {
+    let mut room = parts.map(|p| p.allowed().clone());
+    for side in [Side::First, Side::Second] {
+        let frozen = parts[side.index()].frozen();
+        if frozen.count() > 0 {
+            let taken = conflicts.neighbours(side, frozen)?;
+            let other = side.other().index();
+            let mut both = taken.clone();
+            both.intersect(parts[other].frozen());
+            if let Some(cell) = both.iter().next() {
+                return Err(Error::InvalidArgument(format!(
+                    "frozen cell {cell} of part {} collides with a frozen cell of part {}",
+                    other + 1,
+                    side.index() + 1
+                )));
+            }
+            room[other].subtract(&taken);
+        }
+    }
+    Ok(room)
+}
+
+/// The pair that one gets by keeping `set`, the cells of part `side`, as far as there is `room` for them.
+pub fn close(conflicts: &Conflicts, room: &[Bits; 2], side: Side, set: &Bits) -> Result<Pair> {
+    let (one, two) = (side.index(), side.other().index());
+    let mut kept = set.clone();
+    kept.intersect(&room[one]);
+    let mut other = room[two].clone();
+    other.subtract(&conflicts.neighbours(side, &kept)?);
+    let mut own = room[one].clone();
+    own.subtract(&conflicts.neighbours(side.other(), &other)?);
+    Ok(Pair {
+        cells: match side {
+            Side::First => [own, other],
+            Side::Second => [other, own],
+        },
+    })
+}

@@ -1,0 +1,240 @@
+//! The conflict graph: which cells of one part a part cannot have together with which of the other.
+//!
+//! An edge joins cells that overlap at some time. Pairs of parts that never collide are the independent sets of this bipartite graph.
+
+use super::bits::{Bits, Marks};
+use super::part::Part;
+use super::rows::{BLOCK, Block, Rows};
+use super::separation::Separation;
+use super::steps::{Relative, Sampling, Step};
+use crate::geometry::vec::number;
+use crate::isa::{Isa, Kernel, dispatch};
+use crate::par::Workers;
+use crate::progress::Progress;
+use crate::{Error, Result};
+
+/// One of the two parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Part 1.
+    First,
+    /// Part 2.
+    Second,
+}
+
+impl Side {
+    /// The other part.
+    pub fn other(self) -> Self {
+        match self {
+            Side::First => Side::Second,
+            Side::Second => Side::First,
+        }
+    }
+
+    /// 0 or 1.
+    pub fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// How conflicts are found: see [`Conflicts::of_overlap`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OverlapOptions {
+    /// How finely time is cut: no result depends on it but by what cells are kept apart too much.
+    pub sampling: Sampling,
+    /// Distance that parts keep from each other at all times, in the caller's units.
+    pub clearance: f64,
+    /// Bytes that the graph may take.
+    pub max_bytes: u64,
+    /// Threads; 0 takes all cores.
+    pub n_threads: u32,
+}
+
+impl Default for OverlapOptions {
+    fn default() -> Self {
+        OverlapOptions { sampling: Sampling::Slack(0.05), clearance: 0.0, max_bytes: 8 << 30, n_threads: 0 }
+    }
+}
+
+/// The graph.
+#[derive(Debug)]
+pub struct Conflicts {
+    /// To each cell of the part `rows_of` those of the other.
+    rows: Rows,
+    rows_of: Side,
+    /// Cells of each part's grid.
+    n_cells: [usize; 2],
+}
+
+impl Conflicts {
+    /// Cells that overlap at any time, or come nearer to each other than the clearance: no such pair is missed. Pairs that only nearly do
+    /// may count as well: see [`separation`](super::separation). Cells that a part may not have are left out. `motions` move the parts in
+    /// a world that both share.
+    pub fn of_overlap<const D: usize>(
+        parts: [&Part<D>; 2],
+        relative: &Relative<D>,
+        options: &OverlapOptions,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self> {
+        if !(options.clearance >= 0.0 && options.clearance.is_finite()) {
+            return Err(Error::InvalidArgument(format!(
+                "a clearance of {}; it must be 0 or more, and finite",
+                number(options.clearance)
+            )));
+        }
+        if D == 2 {
+            overlap::<D, 8>(parts, relative, options, progress)
+        } else {
+            overlap::<D, 24>(parts, relative, options, progress)
+        }
+    }
+
+    /// The graph of which `edge`(cell of part 1, cell of part 2) tells the edges: for few cells, it asks for each pair.
+    pub fn of_edges(n_cells: [usize; 2], rows_of: Side, edge: impl Fn(usize, usize) -> bool + Sync) -> Result<Self> {
+        let n = n_cells[rows_of.other().index()];
+        let joined = |i: usize, j: usize| if rows_of == Side::First { edge(i, j) } else { edge(j, i) };
+        let row = |i: usize, mark: &mut dyn FnMut(usize)| (0..n).filter(|&j| joined(i, j)).for_each(mark);
+        Conflicts::of_rows(n_cells, rows_of, row, &Workers::caller_only())
+    }
+
+    /// The graph whose rows `row`(i, mark) marks, cell by cell, in any order and more than once.
+    pub(super) fn of_rows(
+        n_cells: [usize; 2],
+        rows_of: Side,
+        row: impl Fn(usize, &mut dyn FnMut(usize)) + Sync,
+        workers: &Workers,
+    ) -> Result<Self> {
+        let (n_rows, n) = (n_cells[rows_of.index()], n_cells[rows_of.other().index()]);
+        let all = Bits::all(n)?;
+        let made = workers.map(n_rows.div_ceil(BLOCK), |k| -> Result<Block> {
+            let (mut block, mut marks) = (Block::new()?, Marks::new(n)?);
+            for i in k * BLOCK..((k + 1) * BLOCK).min(n_rows) {
+                row(i, &mut |j| marks.insert_range(j..j + 1));
+                block.push_row(|run| marks.take_runs(&all, run))?;
+            }
+            Ok(block)
+        });
+        let blocks = made.into_iter().collect::<Result<_>>()?;
+        Ok(Conflicts { rows: Rows::new(blocks), rows_of, n_cells })
+    }
+
+    /// Edges.
+    pub fn n_edges(&self) -> usize {
+        self.rows.n_edges()
+    }
+
+    /// Bytes that they take.
+    pub fn bytes(&self) -> usize {
+        self.rows.bytes()
+    }
+
+    /// Whose cells the rows are of.
+    pub(super) fn rows_of(&self) -> Side {
+        self.rows_of
+    }
+
+    /// The rows.
+    pub(super) fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    /// Cells of a part's grid.
+    pub fn n_cells(&self, side: Side) -> usize {
+        self.n_cells[side.index()]
+    }
+
+    /// N(S): cells of the other part that cannot be together with those of `set`, of the part `side`.
+    pub fn neighbours(&self, side: Side, set: &Bits) -> Result<Bits> {
+        let mut found = Bits::none(self.n_cells(side.other()))?;
+        if side == self.rows_of {
+            for i in set.iter() {
+                self.rows.iter(i).for_each(|run| found.insert_range(run));
+            }
+        } else {
+            for i in 0..self.rows.n_rows() {
+                if self.rows.iter(i).any(|run| set.has_some(run)) {
+                    found.insert(i);
+                }
+            }
+        }
+        Ok(found)
+    }
+}
+
+fn overlap<const D: usize, const N: usize>(
+    parts: [&Part<D>; 2],
+    relative: &Relative<D>,
+    options: &OverlapOptions,
+    progress: &mut Progress<'_>,
+) -> Result<Conflicts> {
+    let n_cells = parts.map(|p| p.grid().n_cells());
+    // Rows for the part with fewer cells: they are what the time goes into.
+    let rows_of = if parts[1].allowed().count() < parts[0].allowed().count() { Side::Second } else { Side::First };
+    let (moving, still) = (parts[rows_of.index()], parts[rows_of.other().index()]);
+    let seen = match rows_of {
+        Side::First => relative.reversed(),
+        Side::Second => relative.clone(),
+    };
+    let steps = seen.bounded_steps(options.sampling, still.grid(), moving.grid())?;
+    let ready = |step: &Step<D>| Separation::<D, N>::new(step, still.grid(), moving.grid(), options.clearance);
+    let steps: Vec<Separation<D, N>> = steps.iter().map(ready).collect();
+    let workers = Workers::new(options.n_threads)?;
+    let rows = build(&steps, moving, still, options, &workers, progress)?;
+    Ok(Conflicts { rows, rows_of, n_cells })
+}
+
+fn build<const D: usize, const N: usize>(
+    steps: &[Separation<D, N>],
+    moving: &Part<D>,
+    still: &Part<D>,
+    options: &OverlapOptions,
+    workers: &Workers,
+    progress: &mut Progress<'_>,
+) -> Result<Rows> {
+    let n_rows = moving.grid().n_cells();
+    let block = |k: usize| dispatch(Overlaps { steps, moving, still, rows: k * BLOCK..((k + 1) * BLOCK).min(n_rows) });
+    let n_blocks = n_rows.div_ceil(BLOCK);
+    let mut blocks: Vec<Block> = Vec::with_capacity(n_blocks);
+    // A few at a time, so that progress is told and too large a graph is noticed early.
+    let many = 4 * workers.n_threads().max(8);
+    while blocks.len() < n_blocks {
+        progress.tell(blocks.len() as f64 / n_blocks as f64, "conflicts")?;
+        let from = blocks.len();
+        for made in workers.map(many.min(n_blocks - from), |k| block(from + k)) {
+            blocks.push(made?);
+        }
+        let bytes: usize = blocks.iter().map(Block::bytes).sum();
+        if bytes as u64 > options.max_bytes {
+            let expected = bytes as u128 * n_blocks as u128 / blocks.len() as u128;
+            let limit = Some(u128::from(options.max_bytes));
+            return Err(Error::OutOfMemory { what: "the conflict graph".into(), bytes: expected, limit });
+        }
+    }
+    Ok(Rows::new(blocks))
+}
+
+/// The rows of some cells.
+struct Overlaps<'a, const D: usize, const N: usize> {
+    steps: &'a [Separation<D, N>],
+    moving: &'a Part<D>,
+    still: &'a Part<D>,
+    rows: std::ops::Range<usize>,
+}
+
+impl<const D: usize, const N: usize> Kernel for Overlaps<'_, D, N> {
+    type Output = Result<Block>;
+
+    #[inline(always)]
+    fn run<I: Isa>(self) -> Result<Block> {
+        let (still, allowed) = (self.still.grid(), self.still.allowed());
+        let (mut block, mut marks) = (Block::new()?, Marks::new(allowed.len())?);
+        for i in self.rows {
+            if self.moving.allowed().has(i) {
+                let x = self.moving.grid().center(i);
+                self.steps.iter().for_each(|step| step.mark(x, still.counts(), &mut marks));
+            }
+            block.push_row(|run| marks.take_runs(allowed, run))?;
+        }
+        Ok(block)
+    }
+}

@@ -1,0 +1,15 @@
+//! Co-generation
+pub mod bits;
+pub mod closure;
+pub mod conflict;
+pub mod correlation;
+pub mod cut;
+pub mod grid;
+pub mod motion;
+pub mod part;
+pub mod rows;
+pub mod separation;
+pub mod steps;
+#[cfg(test)]
+mod tests;
+pub mod trajectory;

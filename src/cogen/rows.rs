@@ -1,0 +1,140 @@
+//! The edges of a bipartite graph, by rows: to each cell of one part the cells of the other, as runs of numbers that follow each other.
+//!
+//! A run is a word of 32 bits: 24 tell how many numbers lie between the run before and this one, 8 how many it has. What does not fit takes
+//! several words, of which those before the last may have no number. Rows stand in blocks, so that they can be made on several threads and
+//! never move.
+
+use crate::Result;
+use crate::error::{try_reserve, try_with_capacity};
+use std::ops::Range;
+
+/// Rows of a block.
+pub const BLOCK: usize = 256;
+
+const GAP: usize = (1 << 24) - 1;
+const LENGTH: usize = 255;
+
+/// Some rows.
+#[derive(Debug, Default)]
+pub struct Block {
+    /// Where each row ends in `runs`.
+    ends: Vec<u32>,
+    runs: Vec<u32>,
+    n_edges: usize,
+}
+
+impl Block {
+    /// No rows, with room for [`BLOCK`].
+    pub fn new() -> Result<Self> {
+        Ok(Block { ends: try_with_capacity(BLOCK, "rows of the conflict graph")?, runs: Vec::new(), n_edges: 0 })
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        4 * (self.runs.capacity() + self.ends.capacity())
+    }
+
+    /// Puts a row behind the others: `each` calls what it is given for each run, in order.
+    pub fn push_row(
+        &mut self,
+        each: impl FnOnce(&mut dyn FnMut(Range<usize>) -> Result<()>) -> Result<()>,
+    ) -> Result<()> {
+        let mut at = 0;
+        let Block { ends, runs, n_edges } = self;
+        each(&mut |run: Range<usize>| {
+            let (mut gap, mut n) = (run.start - at, run.len());
+            at = run.end;
+            *n_edges += n;
+            try_reserve(runs, gap / GAP + n / LENGTH + 2, "the conflict graph")?;
+            while gap > GAP {
+                runs.push((GAP as u32) << 8);
+                gap -= GAP;
+            }
+            while n > LENGTH {
+                runs.push((gap as u32) << 8 | LENGTH as u32);
+                (gap, n) = (0, n - LENGTH);
+            }
+            runs.push((gap as u32) << 8 | n as u32);
+            Ok(())
+        })?;
+        // A block of as many runs would take 17 GB.
+        ends.push(u32::try_from(runs.len()).expect("a block's runs"));
+        Ok(())
+    }
+}
+
+/// All rows.
+#[derive(Debug)]
+pub struct Rows {
+    blocks: Vec<Block>,
+    n_rows: usize,
+}
+
+impl Rows {
+    /// Rows of `blocks`, each of [`BLOCK`] but the last.
+    pub fn new(blocks: Vec<Block>) -> Self {
+        let n_rows = blocks.iter().map(|b| b.ends.len()).sum();
+        debug_assert!(blocks.iter().rev().skip(1).all(|b| b.ends.len() == BLOCK));
+        Rows { blocks, n_rows }
+    }
+
+    /// How many rows there are.
+    pub fn n_rows(&self) -> usize {
+        self.n_rows
+    }
+
+    /// How many edges there are.
+    pub fn n_edges(&self) -> usize {
+        self.blocks.iter().map(|b| b.n_edges).sum()
+    }
+
+    /// Bytes that the runs take.
+    pub fn bytes(&self) -> usize {
+        self.blocks.iter().map(Block::bytes).sum()
+    }
+
+    #[inline]
+    fn runs(&self, row: usize) -> &[u32] {
+        let (block, k) = (&self.blocks[row / BLOCK], row % BLOCK);
+        let from = if k == 0 { 0 } else { block.ends[k - 1] };
+        &block.runs[from as usize..block.ends[k] as usize]
+    }
+
+    /// Whether the row has no edge.
+    pub fn is_empty(&self, row: usize) -> bool {
+        self.runs(row).is_empty()
+    }
+
+    /// The runs of a row, in order; one of more than 255 numbers comes in several.
+    #[inline]
+    pub fn iter(&self, row: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+        let mut at = 0;
+        self.runs(row).iter().map(move |&run| {
+            let from = at + (run >> 8) as usize;
+            at = from + (run & 255) as usize;
+            from..at
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_come_back_as_they_went_in() {
+        let row = [3..4, 10..300, 301..811, 20_000_000..20_000_001, 60_000_000..60_000_255];
+        let mut block = Block::new().unwrap();
+        block.push_row(|_| Ok(())).unwrap();
+        block.push_row(|run| row.iter().cloned().try_for_each(run)).unwrap();
+        block.push_row(|run| run(0..1)).unwrap();
+        let rows = Rows::new(vec![block]);
+        assert_eq!(
+            (rows.n_rows(), rows.is_empty(0), rows.n_edges()),
+            (3, true, row.iter().map(Range::len).sum::<usize>() + 1)
+        );
+        let numbers = |r| rows.iter(r).flatten().collect::<Vec<_>>();
+        assert_eq!(numbers(1), row.iter().cloned().flatten().collect::<Vec<_>>());
+        assert_eq!(numbers(2), [0]);
+    }
+}

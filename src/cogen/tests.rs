@@ -1,0 +1,391 @@
+//! Against brute force: overlaps by projecting vertices at many times, closure and cuts by looking at all sets.
+
+use super::bits::Bits;
+use super::closure::{Pair, close, room};
+use super::conflict::{Conflicts, OverlapOptions, Side};
+use super::correlation::Correlation;
+use super::cut::cut;
+use super::grid::Grid;
+use super::motion::{Law, Motion, Wave};
+use super::part::{Cell, Part};
+use super::steps::{Relative, Sampling};
+use crate::geometry::random::SplitMix64;
+use crate::geometry::rigid::{Rigid, Twist};
+use crate::geometry::vec::{add, cross, dot, norm, sub};
+use crate::par::Workers;
+use crate::progress::Progress;
+
+const SIDES: [Side; 2] = [Side::First, Side::Second];
+
+fn twist<const D: usize>(random: &mut SplitMix64) -> Twist<D> {
+    let w: [f64; 3] = std::array::from_fn(|_| random.between(-2.0, 2.0));
+    let mut turn = [[0.0; D]; D];
+    for (a, b, k) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
+        if b < D {
+            turn[a][b] = w[k];
+            turn[b][a] = -w[k];
+        }
+    }
+    Twist { turn, drift: std::array::from_fn(|_| random.between(-0.5, 0.5)) }
+}
+
+fn motion<const D: usize>(random: &mut SplitMix64) -> Motion<D> {
+    let law = Law {
+        offset: 0.0,
+        slope: random.between(-1.0, 1.0),
+        waves: vec![Wave { amplitude: random.between(-0.3, 0.3), cycles: 1.0, phase: random.between(0.0, 3.0) }],
+    };
+    let along = Motion::along(twist(random), law).unwrap();
+    match random.bits() % 4 {
+        0 => Motion::fixed(),
+        1 => along,
+        2 => along.times(&Motion::along(twist(random), Law::even(1.0)).unwrap()),
+        _ => Motion::sampled((0..4).map(|k| along.at(f64::from(k) / 3.0)).collect()).unwrap(),
+    }
+}
+
+/// Grids that meet for a while.
+fn case<const D: usize>(random: &mut SplitMix64) -> ([Part<D>; 2], Relative<D>) {
+    let mut part = || {
+        let counts = std::array::from_fn(|_| 2 + random.bits() as usize % 4);
+        let corner = std::array::from_fn(|_| random.between(-0.8, 0.0));
+        Part::whole(Grid::new(corner, random.between(0.1, 0.25), counts).unwrap()).unwrap()
+    };
+    let parts = [part(), part()];
+    (parts, Relative { from: motion(random), of: motion(random) })
+}
+
+fn vertices<const D: usize>(grid: &Grid<D>, i: usize) -> Vec<[f64; D]> {
+    let h = 0.5 * grid.cell();
+    let corner = |k: usize| std::array::from_fn(|a| if k >> a & 1 == 0 { -h } else { h });
+    (0..1 << D).map(|k| add(grid.center(i), corner(k))).collect()
+}
+
+/// By how much the shadows of both cells overlap on the axis on which they do so least; below 0 they are apart.
+fn overlap<const D: usize>(one: &[[f64; D]], two: &[[f64; D]]) -> f64 {
+    let edges = |v: &[[f64; D]]| -> Vec<[f64; D]> { (0..D).map(|a| sub(v[1 << a], v[0])).collect() };
+    let (a, b) = (edges(one), edges(two));
+    let mut axes: Vec<[f64; D]> = a.iter().chain(&b).copied().collect();
+    let three = |v: &[f64; D]| std::array::from_fn(|k| v[k % D]);
+    if D == 3 {
+        for (a, b) in a.iter().flat_map(|a| b.iter().map(move |b| (a, b))) {
+            let n = cross(three(a), three(b));
+            axes.push(std::array::from_fn(|k| n[k]));
+        }
+    }
+    let mut least = f64::INFINITY;
+    for n in axes.into_iter().filter(|n| norm(*n) > 1e-9) {
+        let shadow = |v: &[[f64; D]]| {
+            let at = v.iter().map(|p| dot(*p, n) / norm(n));
+            (at.clone().fold(f64::INFINITY, f64::min), at.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let (a, b) = (shadow(one), shadow(two));
+        least = least.min((a.1 - b.0).min(b.1 - a.0));
+    }
+    least
+}
+
+/// The graph as a table.
+fn table(conflicts: &Conflicts) -> Vec<Vec<bool>> {
+    let [n1, n2] = SIDES.map(|s| conflicts.n_cells(s));
+    (0..n1)
+        .map(|i| {
+            let found = conflicts.neighbours(Side::First, &Bits::of(n1, |k| k == i).unwrap()).unwrap();
+            (0..n2).map(|j| found.has(j)).collect()
+        })
+        .collect()
+}
+
+fn no_overlap_is_missed<const D: usize>(seed: u64, n_cases: usize) {
+    let mut random = SplitMix64::new(seed);
+    let (mut n_overlaps, mut n_edges) = (0, 0);
+    for _ in 0..n_cases {
+        let (parts, relative) = case::<D>(&mut random);
+        let sampling = Sampling::Slack(random.between(0.01, 0.3));
+        let options = OverlapOptions { sampling, n_threads: 1, ..OverlapOptions::default() };
+        let conflicts =
+            Conflicts::of_overlap([&parts[0], &parts[1]], &relative, &options, &mut Progress::silent()).unwrap();
+        let table = table(&conflicts);
+        n_edges += conflicts.n_edges();
+        let mut seen = vec![vec![false; table[0].len()]; table.len()];
+        for k in 0..200 {
+            let t = if k < 2 { f64::from(k) } else { random.unit() };
+            let pose: Rigid<D> = relative.at(t);
+            let moved: Vec<Vec<_>> = (0..table[0].len())
+                .map(|j| vertices(parts[1].grid(), j).into_iter().map(|p| pose.apply(p)).collect())
+                .collect();
+            for (i, row) in seen.iter_mut().enumerate() {
+                let own = vertices(parts[0].grid(), i);
+                for (j, seen) in row.iter_mut().enumerate() {
+                    let by = overlap(&own, &moved[j]);
+                    let cell = parts[0].grid().cell().min(parts[1].grid().cell());
+                    assert!(by <= 1e-8 * cell || table[i][j], "cells {i} and {j} overlap by {by} at {t}");
+                    *seen |= by > 0.0;
+                }
+            }
+        }
+        n_overlaps += seen.iter().flatten().filter(|s| **s).count();
+    }
+    // The graph is not simply full.
+    assert!(n_overlaps > 100 && (n_edges as f64) < 2.0 * n_overlaps as f64, "{n_overlaps} overlaps, {n_edges} edges");
+}
+
+#[test]
+fn no_overlap_is_missed_in_the_plane() {
+    no_overlap_is_missed::<2>(1, 60);
+}
+
+#[test]
+fn no_overlap_is_missed_in_space() {
+    no_overlap_is_missed::<3>(2, 15);
+}
+
+/// Grids that fill the same box, turned by quarters or not at all, touch their neighbours and overlap themselves.
+#[test]
+fn touching_is_no_overlap() {
+    let grid = Grid::new([-0.3, -0.3], 0.1, [6, 6]).unwrap();
+    let part = Part::whole(grid).unwrap();
+    for quarters in 0..4 {
+        let turn =
+            Motion::turn([0.0; 2], Law { offset: f64::from(quarters) * std::f64::consts::FRAC_PI_2, ..Law::default() })
+                .unwrap();
+        let relative = Relative { from: Motion::fixed(), of: turn };
+        let conflicts =
+            Conflicts::of_overlap([&part, &part], &relative, &OverlapOptions::default(), &mut Progress::silent())
+                .unwrap();
+        assert_eq!(conflicts.n_edges(), 36, "{quarters}");
+    }
+    // A slide along the rows keeps touching rows apart.
+    let slide = Motion::slide([1.0, 0.0], Law::even(0.35)).unwrap();
+    let relative = Relative { from: slide, of: Motion::fixed() };
+    let conflicts =
+        Conflicts::of_overlap([&part, &part], &relative, &OverlapOptions::default(), &mut Progress::silent()).unwrap();
+    for (i, row) in table(&conflicts).iter().enumerate() {
+        for (j, edge) in row.iter().enumerate() {
+            assert!(!edge || i % 6 == j % 6, "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn clearance_is_kept() {
+    let mut random = SplitMix64::new(9);
+    for _ in 0..20 {
+        let (parts, relative) = case::<2>(&mut random);
+        let parts = [&parts[0], &parts[1]];
+        let of = |clearance| {
+            let options = OverlapOptions { clearance, ..OverlapOptions::default() };
+            table(&Conflicts::of_overlap(parts, &relative, &options, &mut Progress::silent()).unwrap())
+        };
+        let (none, some) = (of(0.0), of(0.07));
+        for _ in 0..100 {
+            let pose = relative.at(random.unit());
+            for (i, j) in (0..none.len()).flat_map(|i| (0..none[0].len()).map(move |j| (i, j))) {
+                assert!(!none[i][j] || some[i][j]);
+                // Points of both cells that are nearer than that.
+                let near = |grid: &Grid<2>, k, random: &mut SplitMix64| -> [f64; 2] {
+                    let h = 0.5 * grid.cell();
+                    add(grid.center(k), std::array::from_fn(|_| random.between(-h, h)))
+                };
+                let p = near(parts[0].grid(), i, &mut random);
+                let q = pose.apply(near(parts[1].grid(), j, &mut random));
+                assert!(norm(sub(p, q)) >= 0.07 || some[i][j]);
+            }
+        }
+    }
+}
+
+fn random_graph(random: &mut SplitMix64, most: usize) -> Conflicts {
+    let mut n = || 1 + random.bits() as usize % most;
+    let (n1, n2) = (n(), n());
+    let density = random.unit();
+    let rows_of = if random.bits() & 1 == 0 { Side::First } else { Side::Second };
+    let edges: Vec<bool> = (0..n1 * n2).map(|_| random.unit() < density).collect();
+    Conflicts::of_edges([n1, n2], rows_of, |i, j| edges[i * n2 + j]).unwrap()
+}
+
+fn is_free(table: &[Vec<bool>], pair: &Pair) -> bool {
+    pair.cells[0].iter().all(|i| pair.cells[1].iter().all(|j| !table[i][j]))
+}
+
+#[test]
+fn closure_never_collides_and_cannot_grow() {
+    let mut random = SplitMix64::new(4);
+    for _ in 0..4000 {
+        let conflicts = random_graph(&mut random, 12);
+        let table = table(&conflicts);
+        let n = SIDES.map(|s| conflicts.n_cells(s));
+        let room = n.map(|n| Bits::of(n, |i| !(i * 7 + n).is_multiple_of(5)).unwrap());
+        let side = SIDES[random.bits() as usize % 2];
+        let wanted: Vec<bool> = (0..n[side.index()]).map(|_| random.unit() < 0.5).collect();
+        let set = Bits::of(wanted.len(), |i| wanted[i]).unwrap();
+        let pair = close(&conflicts, &room, side, &set).unwrap();
+        assert!(is_free(&table, &pair));
+        let mut kept = set.clone();
+        kept.intersect(&room[side.index()]);
+        kept.subtract(&pair.cells[side.index()]);
+        assert_eq!(kept.count(), 0, "what was there is kept");
+        for s in SIDES {
+            for i in room[s.index()].iter().filter(|&i| !pair.cells[s.index()].has(i)) {
+                let mut grown = pair.clone();
+                grown.cells[s.index()].insert(i);
+                assert!(!is_free(&table, &grown));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_cut_is_the_best_of_all_pairs() {
+    let mut random = SplitMix64::new(5);
+    for round in 0..3000 {
+        let conflicts = random_graph(&mut random, 9);
+        let table = table(&conflicts);
+        let n = SIDES.map(|s| conflicts.n_cells(s));
+        let most = [1, 3, 1000][round % 3];
+        let weights = n.map(|n| (0..n).map(|_| random.bits() % (most + 1)).collect::<Vec<u64>>());
+        let room = n.map(|n| Bits::of(n, |i| round % 2 == 0 || i % 4 != 1).unwrap());
+        let found = cut(&conflicts, &room, [&weights[0], &weights[1]], &mut Progress::silent()).unwrap();
+        assert!(is_free(&table, &found.pair));
+        // All sets of part 1, each with all of part 2 that it leaves.
+        let best = (0..1_u32 << n[0])
+            .filter(|set| (0..n[0]).all(|i| set >> i & 1 == 0 || room[0].has(i)))
+            .map(|set| {
+                let one: u64 = (0..n[0]).filter(|i| set >> i & 1 == 1).map(|i| weights[0][i]).sum();
+                let left = |j: &usize| room[1].has(*j) && (0..n[0]).all(|i| set >> i & 1 == 0 || !table[i][*j]);
+                one + (0..n[1]).filter(left).map(|j| weights[1][j]).sum::<u64>()
+            })
+            .max()
+            .unwrap();
+        assert_eq!(found.weight, best);
+        let all: u64 = (0..2).map(|k| room[k].iter().map(|i| weights[k][i]).sum::<u64>()).sum();
+        assert_eq!(found.flow, all - best);
+    }
+}
+
+#[test]
+fn frozen_cells_stay_and_may_not_collide() {
+    let conflicts = Conflicts::of_edges([3, 2], Side::First, |i, j| i == j).unwrap();
+    let part = |n: usize, frozen: &[usize]| {
+        let cells: Vec<Cell> = (0..n).map(|i| if frozen.contains(&i) { Cell::Frozen } else { Cell::Free }).collect();
+        Part::of_cells(Grid::new([0.0; 2], 1.0, [n, 1]).unwrap(), &cells).unwrap()
+    };
+    let rooms = room(&conflicts, [&part(3, &[0]), &part(2, &[1])]).unwrap();
+    assert_eq!(rooms[0].iter().collect::<Vec<_>>(), [0, 2]);
+    assert_eq!(rooms[1].iter().collect::<Vec<_>>(), [1]);
+    let told = room(&conflicts, [&part(3, &[1]), &part(2, &[1])]).unwrap_err().to_string();
+    assert!(told.contains("frozen cell 1 of part 2"), "{told}");
+}
+
+/// Steps of `n` at which the centre of each of `moving`'s cells is in each of `still`'s, in the frame that `pose`(t) moves it to.
+fn visits<const D: usize>(
+    still: &Part<D>,
+    moving: &Part<D>,
+    n: usize,
+    pose: impl Fn(f64) -> Rigid<D>,
+) -> Vec<Vec<u32>> {
+    let (one, two) = (still.grid(), moving.grid());
+    let mut table = vec![vec![0; one.n_cells()]; two.n_cells()];
+    for k in 0..n {
+        let pose = pose((k as f64 + 0.5) / n as f64);
+        for j in moving.allowed().iter() {
+            let p = pose.apply(two.center(j));
+            let place: [f64; D] = std::array::from_fn(|a| ((p[a] - one.corner()[a]) / one.cell()).floor());
+            if (0..D).all(|a| (0.0..one.counts()[a] as f64).contains(&place[a])) {
+                let i = one.number(place.map(|x| x as usize));
+                table[j][i] += u32::from(still.allowed().has(i));
+            }
+        }
+    }
+    table
+}
+
+fn measures_are_sums_over_trajectories<const D: usize>(seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    let workers = Workers::new(2).unwrap();
+    let mut n_visits = 0;
+    for round in 0..20 {
+        let (whole, relative) = case::<D>(&mut random);
+        let parts = whole.map(|p| Part::of_centers(*p.grid(), |x| x[0] + x[1] > -1.3).unwrap());
+        let pair = [&parts[0], &parts[1]];
+        // Long enough for stays of more than 255 steps.
+        let n = if round < 3 { 3000 } else { 40 };
+        let correlation = Correlation::new(pair, &relative, n, 1 << 30, &workers, &mut Progress::silent()).unwrap();
+        n_visits += correlation.n_visits();
+        let n21 = visits(pair[1], pair[0], n, |t| relative.at(t).inverse());
+        let n12 = visits(pair[0], pair[1], n, |t| relative.at(t));
+        let [n1, n2] = pair.map(|p| p.grid().n_cells());
+        let mut density = |p: &Part<D>| -> Vec<f64> {
+            (0..p.grid().n_cells()).map(|i| if p.allowed().has(i) { random.unit() } else { 0.0 }).collect()
+        };
+        let rho = [density(pair[0]), density(pair[1])];
+        let each = || (0..n1).flat_map(|i| (0..n2).map(move |j| (i, j)));
+        let w12 = |i: usize, j: usize| pair[1].grid().measure() * f64::from(n12[j][i]) / n as f64;
+        let w21 = |i: usize, j: usize| pair[0].grid().measure() * f64::from(n21[i][j]) / n as f64;
+        let near = |a: f64, b: f64| (a - b).abs() <= 1e-13 * (1.0 + b.abs());
+
+        let found = correlation.measures([&rho[0], &rho[1]], &workers).unwrap();
+        assert!(near(found.g21, each().map(|(i, j)| rho[0][i] * w12(i, j) * rho[1][j]).sum()));
+        assert!(near(found.g12, each().map(|(i, j)| rho[0][i] * w21(i, j) * rho[1][j]).sum()));
+
+        let mut d = [[vec![0.0; n1], vec![0.0; n2]], [vec![0.0; n1], vec![0.0; n2]]];
+        let [[a, b], [c, e]] = &mut d;
+        correlation.sensitivities([&rho[0], &rho[1]], [[a, b], [c, e]], &workers).unwrap();
+        // g is linear in each density: a difference of any size is the derivative.
+        for (k, d) in d.iter().enumerate() {
+            for (side, i) in [(0, random.bits() as usize % n1), (1, random.bits() as usize % n2)] {
+                if !pair[side].allowed().has(i) {
+                    continue;
+                }
+                let at = |x: f64| {
+                    let mut moved = rho.clone();
+                    moved[side][i] = x;
+                    let m = correlation.measures([&moved[0], &moved[1]], &workers).unwrap();
+                    [m.g21, m.g12][k]
+                };
+                assert!(near(d[side][i], at(1.0) - at(0.0)), "{k} {side}");
+            }
+        }
+
+        let conflicts = correlation.conflicts(&workers).unwrap();
+        let table = table(&conflicts);
+        assert!(each().all(|(i, j)| table[i][j] == (n12[j][i] + n21[i][j] > 0)));
+        let weights = [vec![1; n1], vec![1; n2]];
+        let room = pair.map(|p| p.allowed().clone());
+        let best = cut(&conflicts, &room, [&weights[0], &weights[1]], &mut Progress::silent()).unwrap().pair;
+        let kept = best.cells.map(|set| (0..set.len()).map(|i| f64::from(u8::from(set.has(i)))).collect::<Vec<_>>());
+        let free = correlation.measures([&kept[0], &kept[1]], &workers).unwrap();
+        assert_eq!((free.g21, free.g12), (0.0, 0.0));
+    }
+    assert!(n_visits > 300, "{n_visits}");
+}
+
+#[test]
+fn measures_are_sums_over_trajectories_in_the_plane() {
+    measures_are_sums_over_trajectories::<2>(11);
+}
+
+#[test]
+fn measures_are_sums_over_trajectories_in_space() {
+    measures_are_sums_over_trajectories::<3>(12);
+}
+
+#[test]
+fn densities_that_are_none_are_refused() {
+    let (whole, relative) = case::<2>(&mut SplitMix64::new(1));
+    let parts = whole.map(|p| Part::of_centers(*p.grid(), |x| x[0] > p.grid().center(0)[0]).unwrap());
+    let workers = Workers::caller_only();
+    let pair = [&parts[0], &parts[1]];
+    let correlation = Correlation::new(pair, &relative, 10, 1 << 30, &workers, &mut Progress::silent()).unwrap();
+    let [n1, n2] = pair.map(|p| p.grid().n_cells());
+    let told = |one: &[f64], two: &[f64]| correlation.measures([one, two], &workers).unwrap_err().to_string();
+    let zeros = vec![0.0; n2];
+    assert!(told(&zeros[..1], &zeros).contains("for part 1's"));
+    let mut one = vec![0.0; n1];
+    one[0] = 0.5;
+    assert!(told(&one, &zeros).contains("density 0 of part 1 is 0.5; it must be 0"));
+    one[0] = f64::NAN;
+    assert!(told(&one, &zeros).contains("[0, 1]"));
+    let few = Correlation::new(pair, &relative, 10, 1, &workers, &mut Progress::silent());
+    assert!(few.is_err_and(|e| e.to_string().contains("the limit is 1 bytes")));
+}
