@@ -83,6 +83,11 @@ impl<const D: usize> Correlation<D> {
         self.allowed[side.index()].len()
     }
 
+    /// eps^D of a part.
+    pub fn measure(&self, side: Side) -> f64 {
+        self.measures[side.index()]
+    }
+
     /// Refuses densities [n_1], [n_2] that are none: outside [0, 1], or not 0 where a part may not be.
     pub fn check(&self, densities: [&[f64]; 2]) -> Result<()> {
         for (k, (rho, allowed)) in densities.iter().zip(&self.allowed).enumerate() {
