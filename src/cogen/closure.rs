@@ -17,6 +17,11 @@ pub struct Pair {
 }
 
 impl Pair {
+    /// What the cells of each part weigh.
+    pub fn weigh(&self, weights: [&[u64]; 2]) -> [u64; 2] {
+        [0, 1].map(|k| self.cells[k].iter().map(|i| weights[k][i]).sum())
+    }
+
     /// How many cells part `side` has.
     pub fn count(&self, side: Side) -> usize {
         self.cells[side.index()].count()

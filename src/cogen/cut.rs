@@ -1,19 +1,13 @@
 //! The best pair for given weights of cells: a minimum cut.
 //!
 //! Of all pairs that never collide, which are the independent sets of the conflict graph, the one of greatest weight is what a minimum cut
-//! leaves: source -> cells of one part -> conflicts, without limit -> cells of the other -> sink, each cell with its weight. The flow that
-//! meets the cut proves that no pair weighs more: weight of all cells less flow.
-//!
-//! Flow goes first where there is room. Then trees grow through the residual graph, one from each cell that still has supply, all at once
-//! and breadth first, each far cell in one tree alone; where a tree comes to demand, flow goes along its branch at once, and a tree whose root
-//! has no supply left grows no further (Azad, Buluc and Pothen 2017, there for matchings). That is repeated until no tree finds demand:
-//! what they then hold is the cut. Forward edges never fill up, and of flows only those that are not 0 are stored: rows of the graph are read
-//! as they are, none is written.
+//! leaves, each cell with its weight between it and source or sink. The flow that meets the cut proves that no pair weighs more: weight of
+//! all cells less flow.
 
 use super::bits::Bits;
 use super::closure::Pair;
 use super::conflict::{Conflicts, Side};
-use crate::error::{try_reserve, try_vec};
+use super::flow::Flow;
 use crate::progress::Progress;
 use crate::{Error, Result};
 
@@ -30,42 +24,21 @@ pub struct Cut {
     pub n_phases: usize,
 }
 
-/// No cell, no inflow; of near cells, in no tree.
-const NONE: u32 = u32::MAX;
-
-/// Of near cells that are the root of a tree.
-const ROOT: u32 = u32::MAX - 1;
-
-/// What flows into a far cell from a near one.
-#[derive(Debug, Clone, Copy)]
-struct Inflow {
-    from: u32,
-    to: u32,
-    next: u32,
-    amount: u64,
-}
-
-/// Flow in the making. The near side has the rows.
-struct Flow<'a> {
-    conflicts: &'a Conflicts,
-    /// What could still leave a near cell, or reach the sink from a far one.
-    supply: Vec<u64>,
-    demand: Vec<u64>,
-    /// First of a far cell's inflows.
-    first: Vec<u32>,
-    inflows: Vec<Inflow>,
-    /// First of the inflows that are free for use.
-    free: u32,
-    /// The inflow by which a near cell's tree came to it, ROOT or NONE.
-    came_by: Vec<u32>,
-    root: Vec<u32>,
-    /// The near cell from which a far cell's tree came to it.
-    parent: Vec<u32>,
-    flow: u64,
-}
-
 /// The pair of greatest weight among those within `room`; `weights` [n_1] and [n_2].
 pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progress: &mut Progress<'_>) -> Result<Cut> {
+    let all = weight_of_all(room, weights)?;
+    let near = conflicts.rows_of();
+    let (near_room, far_room) = (&room[near.index()], &room[near.other().index()]);
+    let mut flow = Flow::new(conflicts, near_room, weights[near.index()], far_room, weights[near.other().index()])?;
+    let (kept, other, n_phases) = flow.solve(near_room, far_room, progress)?;
+    let pair = Pair { cells: if near == Side::First { [kept, other] } else { [other, kept] } };
+    let weight = pair.weigh(weights).iter().sum();
+    debug_assert_eq!(weight + flow.amount(), all);
+    Ok(Cut { pair, weight, flow: flow.amount(), n_phases })
+}
+
+/// What all cells of `room` weigh.
+pub(super) fn weight_of_all(room: &[Bits; 2], weights: [&[u64]; 2]) -> Result<u64> {
     for (k, of) in weights.iter().enumerate() {
         let n = room[k].len();
         if of.len() != n {
@@ -73,191 +46,5 @@ pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progre
         }
     }
     let all: u128 = (0..2).map(|k| room[k].iter().map(|i| u128::from(weights[k][i])).sum::<u128>()).sum();
-    if all > u128::from(u64::MAX) {
-        return Err(Error::InvalidArgument("the weights' sum is above 2^64".into()));
-    }
-    let near = conflicts.rows_of();
-    let (near_room, far_room) = (&room[near.index()], &room[near.other().index()]);
-    let mut flow = Flow::new(conflicts, near_room, weights[near.index()], far_room, weights[near.other().index()])?;
-    flow.fill()?;
-    let mut n_phases = 0;
-    // Far cells that no tree holds.
-    let mut other = far_room.clone();
-    while flow.grow(&mut other)? {
-        progress.tell(1.0 - 1.0 / (n_phases as f64 + 2.0), "cut")?;
-        other.clone_from(far_room);
-        n_phases += 1;
-    }
-    let mut kept = near_room.clone();
-    near_room.iter().filter(|&i| flow.came_by[i] == NONE).for_each(|i| kept.remove(i));
-    let pair = Pair { cells: if near == Side::First { [kept, other] } else { [other, kept] } };
-    let weight = (0..2).map(|k| pair.cells[k].iter().map(|i| weights[k][i]).sum::<u64>()).sum();
-    debug_assert_eq!(u128::from(weight) + u128::from(flow.flow), all);
-    Ok(Cut { pair, weight, flow: flow.flow, n_phases })
-}
-
-impl<'a> Flow<'a> {
-    fn new(conflicts: &'a Conflicts, near: &Bits, supply: &[u64], far: &Bits, demand: &[u64]) -> Result<Self> {
-        let of = |room: &Bits, weights: &[u64]| -> Result<Vec<u64>> {
-            let mut vec = try_vec(weights.len(), 0, "the cut")?;
-            room.iter().for_each(|i| vec[i] = weights[i]);
-            Ok(vec)
-        };
-        Ok(Flow {
-            conflicts,
-            supply: of(near, supply)?,
-            demand: of(far, demand)?,
-            first: try_vec(demand.len(), NONE, "the cut")?,
-            inflows: Vec::new(),
-            free: NONE,
-            came_by: try_vec(supply.len(), NONE, "the cut")?,
-            root: try_vec(supply.len(), NONE, "the cut")?,
-            parent: try_vec(demand.len(), NONE, "the cut")?,
-            flow: 0,
-        })
-    }
-
-    /// Lets flow what can without taking any back: from the cells with the fewest conflicts on, each to those of the fewest. That comes within
-    /// a percent of the whole flow, where flow to the first cells with room would leave a tenth to be found by trees.
-    fn fill(&mut self) -> Result<()> {
-        let rows = self.conflicts.rows();
-        let mut open = Bits::of(self.demand.len(), |j| self.demand[j] > 0)?;
-        // Far cells' conflicts are counted by where runs begin and end; sums make counts of that.
-        let mut far_degree: Vec<u32> = try_vec(self.demand.len() + 1, 0, "the cut")?;
-        let mut order: Vec<(u32, u32)> = Vec::new();
-        for i in (0..self.supply.len()).filter(|&i| self.supply[i] > 0 && !rows.is_empty(i)) {
-            let mut degree = 0;
-            for run in rows.iter(i) {
-                degree += run.len() as u32;
-                far_degree[run.start] = far_degree[run.start].wrapping_add(1);
-                far_degree[run.end] = far_degree[run.end].wrapping_sub(1);
-            }
-            try_reserve(&mut order, 1, "the cut")?;
-            order.push((degree, i as u32));
-        }
-        (0..self.demand.len()).for_each(|j| far_degree[j + 1] = far_degree[j + 1].wrapping_add(far_degree[j]));
-        order.sort_unstable();
-        for i in order.into_iter().map(|(_, i)| i as usize) {
-            while self.supply[i] > 0 {
-                let mut least = (u32::MAX, usize::MAX);
-                for run in rows.iter(i) {
-                    open.each_in(run, |j| least = least.min((far_degree[j], j)));
-                }
-                let (_, j) = least;
-                if j == usize::MAX {
-                    break;
-                }
-                let amount = self.supply[i].min(self.demand[j]);
-                self.supply[i] -= amount;
-                self.demand[j] -= amount;
-                self.flow += amount;
-                self.add_inflow(j, i, amount)?;
-                if self.demand[j] == 0 {
-                    open.remove(j);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn add_inflow(&mut self, j: usize, i: usize, amount: u64) -> Result<()> {
-        let inflow = Inflow { from: i as u32, to: j as u32, next: self.first[j], amount };
-        if self.free == NONE {
-            try_reserve(&mut self.inflows, 1, "the cut's flows")?;
-            self.first[j] = self.inflows.len() as u32;
-            self.inflows.push(inflow);
-        } else {
-            let k = self.free;
-            self.free = self.inflows[k as usize].next;
-            self.first[j] = k;
-            self.inflows[k as usize] = inflow;
-        }
-        Ok(())
-    }
-
-    /// Grows trees until none can grow, and lets flow along branches that come to demand; whether any did. Takes out of `unseen` what the
-    /// trees hold.
-    fn grow(&mut self, unseen: &mut Bits) -> Result<bool> {
-        self.came_by.fill(NONE);
-        let mut queue: Vec<u32> = (0..self.supply.len() as u32).filter(|&i| self.supply[i as usize] > 0).collect();
-        for &i in &queue {
-            self.came_by[i as usize] = ROOT;
-            self.root[i as usize] = i;
-        }
-        let (mut head, mut met) = (0, false);
-        let conflicts = self.conflicts;
-        while let Some(&i) = queue.get(head) {
-            head += 1;
-            let root = self.root[i as usize];
-            for run in conflicts.rows().iter(i as usize) {
-                if self.supply[root as usize] == 0 {
-                    break;
-                }
-                while let Some(j) = unseen.first_in(run.clone()) {
-                    unseen.remove(j);
-                    self.parent[j] = i;
-                    if self.demand[j] > 0 {
-                        met |= self.push_along_branch(j, root as usize)?;
-                    }
-                    self.branch_out(j, root, &mut queue)?;
-                }
-            }
-        }
-        Ok(met)
-    }
-
-    /// Goes on from far cell `j` to the near ones that flow into it, and drops inflows that are 0.
-    fn branch_out(&mut self, j: usize, root: u32, queue: &mut Vec<u32>) -> Result<()> {
-        let (mut k, mut before) = (self.first[j], NONE);
-        while k != NONE {
-            let Inflow { from, next, amount, .. } = self.inflows[k as usize];
-            if amount == 0 {
-                if before == NONE {
-                    self.first[j] = next;
-                } else {
-                    self.inflows[before as usize].next = next;
-                }
-                self.inflows[k as usize].next = self.free;
-                self.free = k;
-            } else {
-                if self.came_by[from as usize] == NONE {
-                    self.came_by[from as usize] = k;
-                    self.root[from as usize] = root;
-                    try_reserve(queue, 1, "the cut")?;
-                    queue.push(from);
-                }
-                before = k;
-            }
-            k = next;
-        }
-        Ok(())
-    }
-
-    /// Lets flow from `root` along its branch to `end`, unless an inflow that it takes back is used up by now; whether it did.
-    fn push_along_branch(&mut self, end: usize, root: usize) -> Result<bool> {
-        let mut amount = self.supply[root].min(self.demand[end]);
-        let mut i = self.parent[end] as usize;
-        while self.came_by[i] != ROOT {
-            let inflow = self.inflows[self.came_by[i] as usize];
-            amount = amount.min(inflow.amount);
-            i = self.parent[inflow.to as usize] as usize;
-        }
-        if amount == 0 {
-            return Ok(false);
-        }
-        self.supply[root] -= amount;
-        self.demand[end] -= amount;
-        self.flow += amount;
-        let mut j = end;
-        loop {
-            let i = self.parent[j] as usize;
-            self.add_inflow(j, i, amount)?;
-            if self.came_by[i] == ROOT {
-                return Ok(true);
-            }
-            let inflow = &mut self.inflows[self.came_by[i] as usize];
-            inflow.amount -= amount;
-            j = inflow.to as usize;
-        }
-    }
+    u64::try_from(all).map_err(|_| Error::InvalidArgument(format!("the weights' sum is {all}; it must be below 2^64")))
 }

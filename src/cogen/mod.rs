@@ -4,6 +4,8 @@ pub mod closure;
 pub mod conflict;
 pub mod correlation;
 pub mod cut;
+pub mod family;
+mod flow;
 pub mod grid;
 pub mod mma;
 pub mod motion;
@@ -14,4 +16,5 @@ pub mod separation;
 pub mod steps;
 #[cfg(test)]
 mod tests;
+mod ties;
 pub mod trajectory;

@@ -5,6 +5,7 @@ use super::closure::{Pair, close, room};
 use super::conflict::{Conflicts, OverlapOptions, Side};
 use super::correlation::Correlation;
 use super::cut::cut;
+use super::family::family;
 use super::grid::Grid;
 use super::motion::{Law, Motion, Wave};
 use super::part::{Cell, Part};
@@ -388,4 +389,65 @@ fn densities_that_are_none_are_refused() {
     assert!(told(&one, &zeros).contains("[0, 1]"));
     let few = Correlation::new(pair, &relative, 10, 1, &workers, &mut Progress::silent());
     assert!(few.is_err_and(|e| e.to_string().contains("the limit is 1 bytes")));
+}
+
+#[test]
+fn families_are_free_maximal_and_below_a_bound_that_holds() {
+    let mut random = SplitMix64::new(6);
+    let gammas = [0.5, 0.0, 0.1, 0.25, 0.4, 0.6, 0.8, 1.0, 0.5];
+    let (mut n, mut n_met) = (0, 0);
+    for round in 0..600 {
+        let conflicts = random_graph(&mut random, 10);
+        if conflicts.n_edges() == 0 {
+            continue;
+        }
+        let table = table(&conflicts);
+        let sizes = SIDES.map(|s| conflicts.n_cells(s));
+        let weights = sizes.map(|n| (0..n).map(|_| 1 + random.bits() % [1, 4][round % 2]).collect::<Vec<u64>>());
+        let room = sizes.map(|n| Bits::all(n).unwrap());
+        let members = family(&conflicts, &room, [&weights[0], &weights[1]], &gammas, &mut Progress::silent()).unwrap();
+        // All pairs: each set of part 1 with all that it leaves of part 2; the corners of their hull are among them.
+        let colliding = [
+            Bits::of(sizes[0], |i| table[i].iter().any(|e| *e)).unwrap(),
+            Bits::of(sizes[1], |j| table.iter().any(|row| row[j])).unwrap(),
+        ];
+        let all: Vec<[f64; 2]> = (0..1_u32 << sizes[0])
+            .map(|set| {
+                let has = |i: usize| set >> i & 1 == 1;
+                let one: u64 = colliding[0].iter().filter(|&i| has(i)).map(|i| weights[0][i]).sum();
+                let left = |j: &usize| (0..sizes[0]).all(|i| !has(i) || !table[i][*j]);
+                [one as f64, colliding[1].iter().filter(left).map(|j| weights[1][j]).sum::<u64>() as f64]
+            })
+            .collect();
+        for (member, gamma) in members.iter().zip(gammas) {
+            assert_eq!(member.wanted, gamma);
+            assert!(is_free(&table, &member.pair));
+            for s in SIDES {
+                for i in (0..sizes[s.index()]).filter(|&i| !member.pair.cells[s.index()].has(i)) {
+                    let mut grown = member.pair.clone();
+                    grown.cells[s.index()].insert(i);
+                    assert!(!is_free(&table, &grown), "it could grow");
+                }
+            }
+            let [v1, v2] = member.volumes.map(|v| v as f64);
+            assert_eq!(member.gamma, v2 / (v1 + v2));
+            // Pairs of that gamma, and mixtures of two pairs, weigh no more than the bound.
+            let mixed = |p: &[f64; 2], q: &[f64; 2]| {
+                let (a, b) = ((1.0 - gamma) * p[1] - gamma * p[0], (1.0 - gamma) * q[1] - gamma * q[0]);
+                if a * b > 0.0 || a == b {
+                    None
+                } else {
+                    Some((p[0] + p[1]) * (b / (b - a)) + (q[0] + q[1]) * (-a / (b - a)))
+                }
+            };
+            let best = all.iter().flat_map(|p| all.iter().filter_map(move |q| mixed(p, q))).fold(0.0, f64::max);
+            assert!(best <= member.bound * (1.0 + 1e-12), "{best} {}", member.bound);
+            n += 1;
+            // The bound is the hull itself.
+            n_met += usize::from(best >= member.bound * (1.0 - 1e-12));
+        }
+        assert_eq!((members[1].gamma, members[7].gamma), (0.0, 1.0));
+        assert_eq!(members[0].pair, members[8].pair);
+    }
+    assert_eq!(n_met, n);
 }
