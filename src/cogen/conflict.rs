@@ -7,6 +7,7 @@ use super::part::Part;
 use super::rows::{BLOCK, Block, Rows};
 use super::separation::Separation;
 use super::steps::{Relative, Sampling, Step};
+use crate::error::try_with_capacity;
 use crate::geometry::vec::number;
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
@@ -61,6 +62,8 @@ impl Default for OverlapOptions {
 pub struct Conflicts {
     /// To each cell of the part `rows_of` those of the other.
     rows: Rows,
+    /// The same, to each cell of the other part.
+    columns: Rows,
     rows_of: Side,
     /// Cells of each part's grid.
     n_cells: [usize; 2],
@@ -115,7 +118,12 @@ impl Conflicts {
             Ok(block)
         });
         let blocks = made.into_iter().collect::<Result<_>>()?;
-        Ok(Conflicts { rows: Rows::new(blocks), rows_of, n_cells })
+        Conflicts::of_made(n_cells, rows_of, Rows::new(blocks), workers)
+    }
+
+    fn of_made(n_cells: [usize; 2], rows_of: Side, rows: Rows, workers: &Workers) -> Result<Self> {
+        let columns = rows.transposed(n_cells[rows_of.other().index()], workers)?;
+        Ok(Conflicts { rows, columns, rows_of, n_cells })
     }
 
     /// Edges.
@@ -125,7 +133,7 @@ impl Conflicts {
 
     /// Bytes that they take.
     pub fn bytes(&self) -> usize {
-        self.rows.bytes()
+        self.rows.bytes() + self.columns.bytes()
     }
 
     /// Whose cells the rows are of.
@@ -138,25 +146,51 @@ impl Conflicts {
         &self.rows
     }
 
+    /// The columns.
+    pub(super) fn columns(&self) -> &Rows {
+        &self.columns
+    }
+
     /// Cells of a part's grid.
     pub fn n_cells(&self, side: Side) -> usize {
         self.n_cells[side.index()]
     }
 
+    /// The cells `gained` of the part that has the rows, by how many conflicts it takes to come to them from one at an end, over cells `lost` of
+    /// the other part: of sets of the first of them few neighbours are beyond.
+    pub(super) fn by_distance(&self, gained: &Bits, lost: &Bits) -> Result<Vec<u32>> {
+        let mut order: Vec<u32> = try_with_capacity(gained.count(), "the order of a leap")?;
+        // From any cell to one as far from it as there is, and from there; what is not joined to it follows.
+        let mut seed = gained.iter().next();
+        for _ in 0..2 {
+            order.clear();
+            let (mut new, mut unseen, mut head) = (gained.clone(), lost.clone(), 0);
+            while let Some(i) = seed.take().filter(|&i| new.has(i)).or_else(|| new.first_in(0..new.len())) {
+                new.remove(i);
+                order.push(i as u32);
+                while let Some(&i) = order.get(head) {
+                    head += 1;
+                    for run in self.rows.iter(i as usize) {
+                        while let Some(j) = unseen.first_in(run.clone()) {
+                            unseen.remove(j);
+                            for run in self.columns.iter(j) {
+                                new.each_in(run.clone(), |i| order.push(i as u32));
+                                new.remove_range(run);
+                            }
+                        }
+                    }
+                }
+            }
+            seed = order.last().map(|&i| i as usize);
+        }
+        Ok(order)
+    }
+
     /// N(S): cells of the other part that cannot be together with those of `set`, of the part `side`.
     pub fn neighbours(&self, side: Side, set: &Bits) -> Result<Bits> {
         let mut found = Bits::none(self.n_cells(side.other()))?;
-        if side == self.rows_of {
-            for i in set.iter() {
-                self.rows.iter(i).for_each(|run| found.insert_range(run));
-            }
-        } else {
-            for i in 0..self.rows.n_rows() {
-                if self.rows.iter(i).any(|run| set.has_some(run)) {
-                    found.insert(i);
-                }
-            }
-        }
+        let lists = if side == self.rows_of { &self.rows } else { &self.columns };
+        set.iter().for_each(|i| lists.iter(i).for_each(|run| found.insert_range(run)));
         Ok(found)
     }
 }
@@ -180,7 +214,7 @@ fn overlap<const D: usize, const N: usize>(
     let steps: Vec<Separation<D, N>> = steps.iter().map(ready).collect();
     let workers = Workers::new(options.n_threads)?;
     let rows = build(&steps, moving, still, options, &workers, progress)?;
-    Ok(Conflicts { rows, rows_of, n_cells })
+    Conflicts::of_made(n_cells, rows_of, rows, &workers)
 }
 
 fn build<const D: usize, const N: usize>(

@@ -4,9 +4,11 @@
 //! gives a pair of greatest w_1 V_1 + w_2 V_2, a corner of the convex hull of all (V_1, V_2); and the cut's value bounds every pair there is:
 //! V_1 + V_2 <= W / (w_1 (1 - gamma) + w_2 gamma). Beginning with the two unsweeps, gamma = 0 and 1, weights are taken across the line between two
 //! known corners: either there is a corner beyond it, or the line is an edge of the hull. Pairs of one weight lie on such an edge, and a chain of
-//! them is walked from one end to the other ([`ties`](super::ties)): wherever it passes a gamma that is asked for, that pair is as good as any can
-//! be. Where the chain leaps over it, some of the leap's cells are taken, and the pair is closed: still maximal, and how far it is below the bound
-//! is told.
+//! them is walked from one end to the other ([`ties`](super::ties)): where it passes a gamma that is asked for, that pair is as good as any can be.
+//! Where the chain, or what is known so far, leaps over it, some of the leap's cells are taken, those that conflict with each other first, and the
+//! pair is closed: maximal still, and taken if it is near enough to the bound, or if there is no corner left between.
+//!
+//! Small weights make flows of few units, which are found much faster: where pairs need not come up to the bound, weights are rounded.
 
 use super::bits::Bits;
 use super::closure::{Pair, close};
@@ -40,8 +42,22 @@ struct Corner {
     volumes: [u64; 2],
 }
 
+/// How near to the bound pairs shall come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FamilyOptions {
+    /// Pairs are good enough at this fraction below the bound; with 0 corners are looked for until the hull is known at each gamma.
+    pub gap: f64,
+}
+
+impl Default for FamilyOptions {
+    fn default() -> Self {
+        FamilyOptions { gap: 0.005 }
+    }
+}
+
 /// What all searches share.
 struct Search<'a> {
+    options: FamilyOptions,
     conflicts: &'a Conflicts,
     room: &'a [Bits; 2],
     weights: [&'a [u64]; 2],
@@ -50,6 +66,10 @@ struct Search<'a> {
     /// (w_1, w_2, W) of all cuts, by which pairs are bounded.
     cuts: Vec<[f64; 3]>,
     found: Vec<Member>,
+}
+
+fn weigh(w: [u64; 2], corner: &Corner) -> u128 {
+    (0..2).map(|k| u128::from(w[k]) * u128::from(corner.volumes[k])).sum()
 }
 
 fn gamma_of(volumes: [u64; 2]) -> f64 {
@@ -63,8 +83,12 @@ pub fn family(
     room: &[Bits; 2],
     weights: [&[u64]; 2],
     gammas: &[f64],
+    options: &FamilyOptions,
     progress: &mut Progress<'_>,
 ) -> Result<Vec<Member>> {
+    if !(0.0..1.0).contains(&options.gap) {
+        return Err(Error::InvalidArgument(format!("the gap is {}; it must be in [0, 1)", number(options.gap))));
+    }
     if let Some((i, g)) = gammas.iter().enumerate().find(|(_, g)| !(0.0..=1.0).contains(*g)) {
         return Err(Error::InvalidArgument(format!("gamma {i} is {}; it must be in [0, 1]", number(*g))));
     }
@@ -75,7 +99,8 @@ pub fn family(
         Ok(cells)
     };
     let colliding = [colliding(Side::First)?, colliding(Side::Second)?];
-    let mut search = Search { conflicts, room, weights, colliding, cuts: Vec::new(), found: Vec::new() };
+    let mut search =
+        Search { options: *options, conflicts, room, weights, colliding, cuts: Vec::new(), found: Vec::new() };
     let ends = [
         search.corner(close(conflicts, room, Side::First, &room[0])?),
         search.corner(close(conflicts, room, Side::Second, &room[1])?),
@@ -97,8 +122,7 @@ pub fn family(
     let mut members = Vec::with_capacity(gammas.len());
     for gamma in gammas {
         let mut member = search.found.iter().find(|m| m.wanted == *gamma).expect("each has been put").clone();
-        let bound = search.cuts.iter().map(|[w1, w2, most]| most / (w1 * (1.0 - gamma) + w2 * gamma));
-        member.bound = bound.filter(|b| b.is_finite()).fold(f64::INFINITY, f64::min);
+        member.bound = search.bound(*gamma);
         members.push(member);
     }
     Ok(members)
@@ -125,19 +149,17 @@ impl Search<'_> {
         if wanted.is_empty() {
             return Ok(());
         }
-        // Across the line between both: what part 1 loses from one to the other weighs what part 2 gains.
-        let w = [high.volumes[1] - low.volumes[1], low.volumes[0] - high.volumes[0]];
+        let w = self.across(low, high);
+        if self.cuts.iter().any(|[w1, w2, _]| (*w1, *w2) == (w[0] as f64, w[1] as f64)) {
+            // Rounded, they have been tried.
+            return self.leap(low, high, wanted, None).map(|_| ());
+        }
         let weights = [0, 1].map(|k| self.weights[k].iter().map(|x| x * w[k]).collect::<Vec<u64>>());
         let near = self.conflicts.rows_of();
         let (near_k, far_k) = (near.index(), near.other().index());
-        let flow = Flow::new(
-            self.conflicts,
-            &self.colliding[near_k],
-            &weights[near_k],
-            &self.colliding[far_k],
-            &weights[far_k],
-        )?;
-        let mut ties = Ties::new(flow, &self.colliding[near_k], &self.colliding[far_k], progress)?;
+        let (near_cells, far_cells) = (&self.colliding[near_k], &self.colliding[far_k]);
+        let flow = Flow::new(self.conflicts, near_cells, &weights[near_k], far_cells, &weights[far_k])?;
+        let mut ties = Ties::new(flow, near_cells, far_cells, progress)?;
         let all: u64 = (0..2).map(|k| self.colliding[k].iter().map(|i| weights[k][i]).sum::<u64>()).sum();
         self.cuts.push([w[0] as f64, w[1] as f64, (all - ties.flow()) as f64]);
         // The chain goes towards small gamma where part 1 grows.
@@ -145,31 +167,65 @@ impl Search<'_> {
         let (last, rest) = self.walk(&mut ties, near, &first, wanted)?;
         let (least, most) = if near == Side::First { (&last, &first) } else { (&first, &last) };
         let from = rest.partition_point(|g| *g < gamma_of(least.volumes));
-        self.between_ends(low, least, &rest[..from], w, progress)?;
-        self.between_ends(most, high, &rest[from..], w, progress)
+        for (low, high, wanted) in [(low, least, &rest[..from]), (most, high, &rest[from..])] {
+            // What comes near enough to the bound as it is known now.
+            let beyond = weigh(w, low).max(weigh(w, high)) == weigh(w, low).min(weigh(w, high));
+            let left = if beyond || low.volumes[0] <= high.volumes[0] || low.volumes[1] >= high.volumes[1] {
+                self.leap(low, high, wanted, None)?
+            } else if self.options.gap == 0.0 {
+                wanted.to_vec()
+            } else {
+                self.leap(low, high, wanted, Some(self.options.gap))?
+            };
+            self.between(low, high, &left, progress)?;
+        }
+        Ok(())
     }
 
-    /// Goes on, unless nothing is left between both corners.
-    fn between_ends(
-        &mut self,
-        low: &Corner,
-        high: &Corner,
-        wanted: &[f64],
-        w: [u64; 2],
-        progress: &mut Progress<'_>,
-    ) -> Result<()> {
-        let weigh =
-            |c: &Corner| u128::from(w[0]) * u128::from(c.volumes[0]) + u128::from(w[1]) * u128::from(c.volumes[1]);
-        // No corner beyond the line: only rounding of gammas could ask for more.
-        if weigh(low) == weigh(high) || low.volumes[0] <= high.volumes[0] || low.volumes[1] >= high.volumes[1] {
-            for g in wanted {
-                let nearer =
-                    if (gamma_of(low.volumes) - g).abs() <= (gamma_of(high.volumes) - g).abs() { low } else { high };
-                self.put(*g, nearer);
-            }
-            return Ok(());
+    /// Weights across the line between two corners: what part 1 loses from one to the other weighs what part 2 gains.
+    fn across(&self, low: &Corner, high: &Corner) -> [u64; 2] {
+        let w = [high.volumes[1] - low.volumes[1], low.volumes[0] - high.volumes[0]];
+        let most = w[0].max(w[1]);
+        if self.options.gap == 0.0 || most <= ROUND {
+            return w;
         }
-        self.between(low, high, wanted, progress)
+        // The nearest fraction with numbers up to ROUND.
+        let ratio = w[0] as f64 / w[1] as f64;
+        let of = |b: u64| ((ratio * b as f64).round().clamp(1.0, ROUND as f64) as u64, b);
+        let off = |(a, b): (u64, u64)| (a as f64 / b as f64 / ratio).ln().abs();
+        let (a, b) = (1..=ROUND).map(of).min_by(|x, y| off(*x).total_cmp(&off(*y))).expect("there are some");
+        [a, b]
+    }
+
+    /// What no pair of `gamma` weighs more than.
+    fn bound(&self, gamma: f64) -> f64 {
+        let bounds = self.cuts.iter().map(|[w1, w2, most]| most / (w1 * (1.0 - gamma) + w2 * gamma));
+        bounds.filter(|b| b.is_finite()).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Puts pairs between two corners where they are within `gap` of the bound, or all if that is not given; the gammas that are left.
+    fn leap(&mut self, low: &Corner, high: &Corner, wanted: &[f64], gap: Option<f64>) -> Result<Vec<f64>> {
+        if wanted.is_empty() {
+            return Ok(Vec::new());
+        }
+        let near = self.conflicts.rows_of();
+        let (few, many) = if near == Side::First { (high, low) } else { (low, high) };
+        let mut gained = many.pair.cells[near.index()].clone();
+        gained.subtract(&few.pair.cells[near.index()]);
+        let mut lost = few.pair.cells[near.other().index()].clone();
+        lost.subtract(&many.pair.cells[near.other().index()]);
+        let order = self.conflicts.by_distance(&gained, &lost)?;
+        let mut left = Vec::new();
+        for &g in wanted {
+            let corner = self.within_leap(few, many, near, &order, g)?;
+            let total = (corner.volumes[0] + corner.volumes[1]) as f64;
+            if gap.is_none_or(|gap| total >= (1.0 - gap) * self.bound(gamma_of(corner.volumes))) {
+                self.put(g, &corner);
+            } else {
+                left.push(g);
+            }
+        }
+        Ok(left)
     }
 
     /// The pair where the chain is, with the cells that do not collide.
@@ -194,34 +250,19 @@ impl Search<'_> {
         if sign < 0.0 {
             coming.reverse();
         }
-        let (mut at, mut next) = (0, 0);
-        let mut volumes = first.volumes;
-        let mut gained = Vec::new();
-        while let Some(i) = ties.free().first_in(at..ties.free().len()) {
-            at = i + 1;
-            let (old, far_weights, near_weights) = (volumes, self.weights[far_k], self.weights[near_k]);
-            let (mut more, mut less) = (0, 0);
-            gained.clear();
-            ties.add(
-                i,
-                |i| {
-                    more += near_weights[i];
-                    gained.push(i);
-                },
-                |j| less += far_weights[j],
-            )?;
-            volumes[near_k] += more;
-            volumes[far_k] -= less;
+        let (mut next, mut volumes) = (0, first.volumes);
+        let (mut gained, mut lost) = (Vec::new(), Vec::new());
+        while ties.step(&mut gained, &mut lost)? {
+            volumes[near_k] += gained.iter().map(|&i| self.weights[near_k][i]).sum::<u64>();
+            volumes[far_k] -= lost.iter().map(|&j| self.weights[far_k][j]).sum::<u64>();
             let passed = coming[next..].iter().take_while(|g| ahead(**g, volumes) < 0.0).count();
             if passed == 0 {
                 continue;
             }
             let after = self.of_ties(ties);
-            let before = self.before(&after, near, &gained, old)?;
-            for g in coming[next..next + passed].to_vec() {
-                let corner = self.within_leap(&before, &after, near, &gained, g)?;
-                self.put(g, &corner);
-            }
+            let before = self.before(&after, near, &gained, &lost);
+            let (low, high) = if near == Side::First { (&after, &before) } else { (&before, &after) };
+            self.leap(low, high, &coming[next..next + passed], None)?;
             next += passed;
         }
         let last = self.of_ties(ties);
@@ -230,24 +271,23 @@ impl Search<'_> {
         Ok((last, rest))
     }
 
-    /// The chain's pair before it gained some near cells.
-    fn before(&self, after: &Corner, near: Side, gained: &[usize], volumes: [u64; 2]) -> Result<Corner> {
-        let mut set = after.pair.cells[near.index()].clone();
-        gained.iter().for_each(|&i| set.remove(i));
-        let corner = self.corner(close(self.conflicts, self.room, near, &set)?);
-        debug_assert!(corner.volumes[near.index()] >= volumes[near.index()]);
-        Ok(corner)
+    /// The chain's pair before its last step.
+    fn before(&self, after: &Corner, near: Side, gained: &[usize], lost: &[usize]) -> Corner {
+        let mut pair = after.pair.clone();
+        gained.iter().for_each(|&i| pair.cells[near.index()].remove(i));
+        lost.iter().for_each(|&j| pair.cells[near.other().index()].insert(j));
+        self.corner(pair)
     }
 
     /// The pair nearest to `gamma` among those that have some of the leap's cells, closed: by bisection.
-    fn within_leap(&self, before: &Corner, after: &Corner, near: Side, gained: &[usize], gamma: f64) -> Result<Corner> {
+    fn within_leap(&self, before: &Corner, after: &Corner, near: Side, gained: &[u32], gamma: f64) -> Result<Corner> {
         let off = |c: &Corner| (gamma_of(c.volumes) - gamma).abs();
         let mut best = if off(before) <= off(after) { before.clone() } else { after.clone() };
         let (mut few, mut many) = (0, gained.len());
         while many - few > 1 && off(&best) > NEAR {
             let middle = (few + many) / 2;
             let mut set = before.pair.cells[near.index()].clone();
-            gained[..middle].iter().for_each(|&i| set.insert(i));
+            gained[..middle].iter().for_each(|&i| set.insert(i as usize));
             let corner = self.corner(close(self.conflicts, self.room, near, &set)?);
             let beyond = (gamma_of(corner.volumes) < gamma) == (near == Side::First);
             if off(&corner) < off(&best) {
@@ -258,6 +298,9 @@ impl Search<'_> {
         Ok(best)
     }
 }
+
+/// Weights are rounded to fractions of numbers up to this.
+const ROUND: u64 = 12;
 
 /// Gammas nearer than this are as good as equal.
 const NEAR: f64 = 1e-3;

@@ -1,29 +1,29 @@
 //! Flow through the conflict graph: source -> near cells -> conflicts, without limit -> far cells -> sink.
 //!
-//! Flow goes first where there is room. Then trees grow through the residual graph, one from each cell that still has supply, all at once
-//! and breadth first, each far cell in one tree alone; where a tree comes to demand, flow goes along its branch at once, and a tree whose root
-//! has no supply left grows no further (Azad, Buluc and Pothen 2017, there for matchings). That is repeated until no tree finds demand:
-//! what they then hold is the source's side of a minimum cut, the smallest there is. Forward edges never fill up, and of flows only those that
-//! are not 0 are stored: rows of the graph are read as they are, none is written.
+//! Flow goes first where there is room. Then what demand is left is moved about until it meets supply (push and relabel, Goldberg and Tarjan
+//! 1988): a far cell with demand takes flow from its nearest near cell, supply if that has any, else what the near cell gives to another far cell,
+//! which now has the demand. Near is by label: a lower bound of how many such moves supply is away. Labels are made exact again and again, breadth
+//! first from all supply; when no demand has a finite one, the flow is the greatest, and what supply reaches is the source's side of a minimum
+//! cut, the smallest there is. Forward edges never fill up, and of flows only those that are not 0 are stored: the graph is read as it is, by rows
+//! and by columns, and never written.
 
 use super::bits::Bits;
 use super::conflict::Conflicts;
 use crate::Result;
 use crate::error::{try_reserve, try_vec};
 use crate::progress::Progress;
+use std::collections::VecDeque;
 
-/// No cell, no inflow; of near cells, in no tree.
+/// No cell, no way, no label.
 const NONE: u32 = u32::MAX;
 
-/// Of near cells that are the root of a tree.
-const ROOT: u32 = u32::MAX - 1;
-
-/// What flows into a far cell from a near one.
+/// What flows from a near cell into a far one, in the lists of both.
 #[derive(Debug, Clone, Copy)]
-struct Inflow {
+struct Way {
     from: u32,
     to: u32,
-    next: u32,
+    next_in: u32,
+    next_out: u32,
     amount: u64,
 }
 
@@ -33,16 +33,13 @@ pub(super) struct Flow<'a> {
     /// What could still leave a near cell, or reach the sink from a far one.
     supply: Vec<u64>,
     demand: Vec<u64>,
-    /// First of a far cell's inflows.
-    first: Vec<u32>,
-    inflows: Vec<Inflow>,
-    /// First of the inflows that are free for use.
-    free: u32,
-    /// The inflow by which a near cell's tree came to it, ROOT or NONE.
-    came_by: Vec<u32>,
-    root: Vec<u32>,
-    /// The near cell from which a far cell's tree came to it.
-    parent: Vec<u32>,
+    ways: Vec<Way>,
+    /// First of a far cell's ways, and of a near one's.
+    first_in: Vec<u32>,
+    first_out: Vec<u32>,
+    /// Labels: 0 for near cells with supply, odd ones for far cells.
+    near_label: Vec<u32>,
+    far_label: Vec<u32>,
     flow: u64,
 }
 
@@ -58,28 +55,29 @@ impl<'a> Flow<'a> {
             conflicts,
             supply: of(near, supply)?,
             demand: of(far, demand)?,
-            first: try_vec(demand.len(), NONE, "the cut")?,
-            inflows: Vec::new(),
-            free: NONE,
-            came_by: try_vec(supply.len(), NONE, "the cut")?,
-            root: try_vec(supply.len(), NONE, "the cut")?,
-            parent: try_vec(demand.len(), NONE, "the cut")?,
+            ways: Vec::new(),
+            first_in: try_vec(demand.len(), NONE, "the cut")?,
+            first_out: try_vec(supply.len(), NONE, "the cut")?,
+            near_label: try_vec(supply.len(), NONE, "the cut")?,
+            far_label: try_vec(demand.len(), NONE, "the cut")?,
             flow: 0,
         })
     }
 
-    /// The greatest flow. The near cells that supply still reaches, the far ones among `far` that it does not, and how often trees grew.
+    /// The greatest flow. The near cells that supply still reaches, the far ones among `far` that it does not, and how often labels were made.
     pub fn solve(&mut self, near: &Bits, far: &Bits, progress: &mut Progress<'_>) -> Result<(Bits, Bits, usize)> {
         self.fill()?;
-        let (mut n_grown, mut left) = (0, far.clone());
-        while self.grow(&mut left)? {
-            progress.tell(1.0 - 1.0 / (n_grown as f64 + 2.0), "cut")?;
-            left.clone_from(far);
-            n_grown += 1;
+        let mut n_labelled = 0;
+        loop {
+            progress.tell(1.0 - 1.0 / (n_labelled as f64 + 2.0), "cut")?;
+            let left = self.label(far)?;
+            n_labelled += 1;
+            if !self.move_demand()? {
+                let mut reached = near.clone();
+                near.iter().filter(|&i| self.near_label[i] == NONE).for_each(|i| reached.remove(i));
+                return Ok((reached, left, n_labelled));
+            }
         }
-        let mut reached = near.clone();
-        near.iter().filter(|&i| self.came_by[i] == NONE).for_each(|i| reached.remove(i));
-        Ok((reached, left, n_grown))
     }
 
     /// How much flows.
@@ -97,32 +95,29 @@ impl<'a> Flow<'a> {
         self.demand[j] > 0
     }
 
-    /// Calls `take` for each near cell from which something flows into far cell `j`.
-    pub fn each_inflow(&self, j: usize, mut take: impl FnMut(usize)) {
-        let mut k = self.first[j];
+    /// The first of a far cell's ways that are not 0 from `k` on, and its near cell; `None` begins with the first of all.
+    pub fn next_inflow(&self, j: usize, k: Option<u32>) -> Option<(u32, usize)> {
+        let mut k = k.map_or(self.first_in[j], |k| self.ways[k as usize].next_in);
         while k != NONE {
-            let Inflow { from, next, amount, .. } = self.inflows[k as usize];
+            let Way { from, next_in, amount, .. } = self.ways[k as usize];
             if amount > 0 {
-                take(from as usize);
+                return Some((k, from as usize));
             }
-            k = next;
+            k = next_in;
         }
+        None
     }
 
-    /// The far cells that near cells flow into: where each near cell's begin, and they.
-    pub fn outflows(&self) -> Result<(Vec<u32>, Vec<u32>)> {
-        let n = self.supply.len();
-        let used = || self.inflows.iter().filter(|f| f.amount > 0);
-        let mut begins: Vec<u32> = try_vec(n + 1, 0, "the cut's flows")?;
-        used().for_each(|f| begins[f.from as usize + 1] += 1);
-        (0..n).for_each(|i| begins[i + 1] += begins[i]);
-        let mut ends: Vec<u32> = try_vec(begins[n] as usize, 0, "the cut's flows")?;
-        let mut at = begins.clone();
-        for f in used() {
-            ends[at[f.from as usize] as usize] = f.to;
-            at[f.from as usize] += 1;
+    /// Calls `take` for the far cells that near cell `i` flows into.
+    pub fn each_outflow(&self, i: usize, mut take: impl FnMut(usize)) {
+        let mut k = self.first_out[i];
+        while k != NONE {
+            let Way { to, next_out, amount, .. } = self.ways[k as usize];
+            if amount > 0 {
+                take(to as usize);
+            }
+            k = next_out;
         }
-        Ok((begins, ends))
     }
 
     /// Lets flow what can without taking any back: from the cells with the fewest conflicts on, each to those of the fewest. That comes within
@@ -159,7 +154,7 @@ impl<'a> Flow<'a> {
                 self.supply[i] -= amount;
                 self.demand[j] -= amount;
                 self.flow += amount;
-                self.add_inflow(j, i, amount)?;
+                self.add_way(i, j, amount)?;
                 if self.demand[j] == 0 {
                     open.remove(j);
                 }
@@ -168,104 +163,185 @@ impl<'a> Flow<'a> {
         Ok(())
     }
 
-    fn add_inflow(&mut self, j: usize, i: usize, amount: u64) -> Result<()> {
-        let inflow = Inflow { from: i as u32, to: j as u32, next: self.first[j], amount };
-        if self.free == NONE {
-            try_reserve(&mut self.inflows, 1, "the cut's flows")?;
-            self.first[j] = self.inflows.len() as u32;
-            self.inflows.push(inflow);
-        } else {
-            let k = self.free;
-            self.free = self.inflows[k as usize].next;
-            self.first[j] = k;
-            self.inflows[k as usize] = inflow;
+    /// Lets more flow from near cell `i` to far cell `j`.
+    fn add_way(&mut self, i: usize, j: usize, amount: u64) -> Result<()> {
+        // The way may be there: near cells have few.
+        let mut k = self.first_out[i];
+        while k != NONE {
+            let way = &mut self.ways[k as usize];
+            if way.to as usize == j {
+                way.amount += amount;
+                return Ok(());
+            }
+            k = way.next_out;
         }
+        try_reserve(&mut self.ways, 1, "the cut's flows")?;
+        let new = self.ways.len() as u32;
+        let (next_in, next_out) = (self.first_in[j], self.first_out[i]);
+        self.ways.push(Way { from: i as u32, to: j as u32, next_in, next_out, amount });
+        (self.first_in[j], self.first_out[i]) = (new, new);
         Ok(())
     }
 
-    /// Grows trees until none can grow, and lets flow along branches that come to demand; whether any did. Takes out of `unseen` what the
-    /// trees hold.
-    fn grow(&mut self, unseen: &mut Bits) -> Result<bool> {
-        self.came_by.fill(NONE);
-        let mut queue: Vec<u32> = (0..self.supply.len() as u32).filter(|&i| self.supply[i as usize] > 0).collect();
-        for &i in &queue {
-            self.came_by[i as usize] = ROOT;
-            self.root[i as usize] = i;
+    /// Takes ways that are 0 out of all lists.
+    fn drop_empty(&mut self) {
+        self.ways.retain(|way| way.amount > 0);
+        self.first_in.fill(NONE);
+        self.first_out.fill(NONE);
+        for (k, way) in self.ways.iter_mut().enumerate() {
+            way.next_in = std::mem::replace(&mut self.first_in[way.to as usize], k as u32);
+            way.next_out = std::mem::replace(&mut self.first_out[way.from as usize], k as u32);
         }
-        let (mut head, mut met) = (0, false);
-        let conflicts = self.conflicts;
+    }
+
+    /// Makes all labels exact; the cells among `far` that supply does not reach.
+    fn label(&mut self, far: &Bits) -> Result<Bits> {
+        self.drop_empty();
+        self.near_label.fill(NONE);
+        self.far_label.fill(NONE);
+        let mut unseen = far.clone();
+        let mut queue: Vec<u32> = (0..self.supply.len() as u32).filter(|&i| self.supply[i as usize] > 0).collect();
+        queue.iter().for_each(|&i| self.near_label[i as usize] = 0);
+        let (mut head, rows) = (0, self.conflicts.rows());
         while let Some(&i) = queue.get(head) {
             head += 1;
-            let root = self.root[i as usize];
-            for run in conflicts.rows().iter(i as usize) {
-                if self.supply[root as usize] == 0 {
-                    break;
-                }
+            let label = self.near_label[i as usize] + 1;
+            for run in rows.iter(i as usize) {
                 while let Some(j) = unseen.first_in(run.clone()) {
                     unseen.remove(j);
-                    self.parent[j] = i;
-                    if self.demand[j] > 0 {
-                        met |= self.push_along_branch(j, root as usize)?;
+                    self.far_label[j] = label;
+                    let mut k = self.first_in[j];
+                    while k != NONE {
+                        let Way { from, next_in, .. } = self.ways[k as usize];
+                        if self.near_label[from as usize] == NONE {
+                            self.near_label[from as usize] = label + 1;
+                            try_reserve(&mut queue, 1, "the cut")?;
+                            queue.push(from);
+                        }
+                        k = next_in;
                     }
-                    self.branch_out(j, root, &mut queue)?;
                 }
             }
         }
-        Ok(met)
+        Ok(unseen)
     }
 
-    /// Goes on from far cell `j` to the near ones that flow into it, and drops inflows that are 0.
-    fn branch_out(&mut self, j: usize, root: u32, queue: &mut Vec<u32>) -> Result<()> {
-        let (mut k, mut before) = (self.first[j], NONE);
-        while k != NONE {
-            let Inflow { from, next, amount, .. } = self.inflows[k as usize];
-            if amount == 0 {
-                if before == NONE {
-                    self.first[j] = next;
-                } else {
-                    self.inflows[before as usize].next = next;
+    /// Moves demand towards supply until none is left that could come there, or so much has been done that labels should be made anew. Whether
+    /// there was anything to do.
+    fn move_demand(&mut self) -> Result<bool> {
+        let mut queue: VecDeque<u32> = (0..self.demand.len() as u32)
+            .filter(|&j| self.demand[j as usize] > 0 && self.far_label[j as usize] != NONE)
+            .collect();
+        if queue.is_empty() {
+            return Ok(false);
+        }
+        // How many far cells have each label: none beyond an empty one can come to supply.
+        let highest = self.far_label.iter().filter(|&&l| l != NONE).max().map_or(0, |&l| l as usize);
+        let mut count = try_vec(highest + 2, 0_u32, "the cut")?;
+        self.far_label.iter().filter(|&&l| l != NONE).for_each(|&l| count[l as usize] += 1);
+        let mut waits = Bits::none(self.demand.len())?;
+        queue.iter().for_each(|&j| waits.insert(j as usize));
+        // About as much as making labels takes.
+        let mut work = (4 * (self.supply.len() + self.demand.len())).max(1000) as i64;
+        while let Some(j) = queue.pop_front() {
+            let j = j as usize;
+            waits.remove(j);
+            while self.demand[j] > 0 && self.far_label[j] != NONE {
+                work -= self.meet(j, &mut waits, &mut queue)? as i64;
+                if self.demand[j] == 0 {
+                    break;
                 }
-                self.inflows[k as usize].next = self.free;
-                self.free = k;
-            } else {
-                if self.came_by[from as usize] == NONE {
-                    self.came_by[from as usize] = k;
-                    self.root[from as usize] = root;
-                    try_reserve(queue, 1, "the cut")?;
-                    queue.push(from);
+                // No near cell is one label below any more.
+                let (old, new) = (self.far_label[j] as usize, self.lowest_label(j));
+                work -= 8;
+                count[old] -= 1;
+                let cut_off = count[old] == 0 || new as usize > highest;
+                self.far_label[j] = if cut_off { NONE } else { new };
+                if !cut_off {
+                    count[new as usize] += 1;
                 }
-                before = k;
+                if count[old] == 0 {
+                    for (j, label) in self.far_label.iter_mut().enumerate() {
+                        if *label != NONE && *label as usize > old {
+                            count[*label as usize] -= 1;
+                            *label = NONE;
+                            waits.remove(j);
+                        }
+                    }
+                    work -= self.far_label.len() as i64 / 8;
+                }
             }
-            k = next;
+            if work < 0 {
+                break;
+            }
+        }
+        Ok(true)
+    }
+
+    /// One more than the lowest label of the near cells that far cell `j` conflicts with.
+    fn lowest_label(&self, j: usize) -> u32 {
+        let labels = self.conflicts.columns().iter(j).flat_map(|run| &self.near_label[run]);
+        labels.fold(NONE, |low, &label| low.min(label)).saturating_add(1)
+    }
+
+    /// Lets far cell `j` take flow from near cells one label below, as long as it has demand; how much was done.
+    fn meet(&mut self, j: usize, waits: &mut Bits, queue: &mut VecDeque<u32>) -> Result<usize> {
+        let (label, mut done) = (self.far_label[j] - 1, 0);
+        for run in self.conflicts.columns().iter(j) {
+            done += 1;
+            for i in run {
+                // A near cell gives until its label rises.
+                while self.near_label[i] == label && self.demand[j] > 0 {
+                    done += 4;
+                    if self.supply[i] > 0 {
+                        let amount = self.supply[i].min(self.demand[j]);
+                        self.supply[i] -= amount;
+                        self.demand[j] -= amount;
+                        self.flow += amount;
+                        self.add_way(i, j, amount)?;
+                        if self.supply[i] > 0 {
+                            break;
+                        }
+                    }
+                    self.take_over(i, j, waits, queue)?;
+                    if self.demand[j] > 0 {
+                        self.near_label[i] = self.lowest_out(i);
+                    }
+                }
+            }
+            if self.demand[j] == 0 {
+                break;
+            }
+        }
+        Ok(done)
+    }
+
+    /// Lets far cell `j` have what near cell `i` gives to far cells one label below `i`, which get the demand for it.
+    fn take_over(&mut self, i: usize, j: usize, waits: &mut Bits, queue: &mut VecDeque<u32>) -> Result<()> {
+        let mut k = self.first_out[i];
+        while k != NONE && self.demand[j] > 0 {
+            let Way { to, next_out, amount, .. } = self.ways[k as usize];
+            let other = to as usize;
+            if amount > 0 && self.far_label[other] != NONE && self.far_label[other] + 1 == self.near_label[i] {
+                let amount = amount.min(self.demand[j]);
+                self.ways[k as usize].amount -= amount;
+                self.demand[other] += amount;
+                self.demand[j] -= amount;
+                self.add_way(i, j, amount)?;
+                if !waits.has(other) {
+                    waits.insert(other);
+                    queue.push_back(to);
+                }
+            }
+            k = next_out;
         }
         Ok(())
     }
 
-    /// Lets flow from `root` along its branch to `end`, unless an inflow that it takes back is used up by now; whether it did.
-    fn push_along_branch(&mut self, end: usize, root: usize) -> Result<bool> {
-        let mut amount = self.supply[root].min(self.demand[end]);
-        let mut i = self.parent[end] as usize;
-        while self.came_by[i] != ROOT {
-            let inflow = self.inflows[self.came_by[i] as usize];
-            amount = amount.min(inflow.amount);
-            i = self.parent[inflow.to as usize] as usize;
-        }
-        if amount == 0 {
-            return Ok(false);
-        }
-        self.supply[root] -= amount;
-        self.demand[end] -= amount;
-        self.flow += amount;
-        let mut j = end;
-        loop {
-            let i = self.parent[j] as usize;
-            self.add_inflow(j, i, amount)?;
-            if self.came_by[i] == ROOT {
-                return Ok(true);
-            }
-            let inflow = &mut self.inflows[self.came_by[i] as usize];
-            inflow.amount -= amount;
-            j = inflow.to as usize;
-        }
+    /// One more than the lowest label of the far cells that near cell `i` flows into.
+    fn lowest_out(&self, i: usize) -> u32 {
+        let mut low = NONE;
+        self.each_outflow(i, |j| low = low.min(self.far_label[j]));
+        low.saturating_add(1)
     }
 }

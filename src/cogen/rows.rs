@@ -5,7 +5,8 @@
 //! never move.
 
 use crate::Result;
-use crate::error::{try_reserve, try_with_capacity};
+use crate::error::{try_reserve, try_vec, try_with_capacity};
+use crate::par::Workers;
 use std::ops::Range;
 
 /// Rows of a block.
@@ -13,6 +14,9 @@ pub const BLOCK: usize = 256;
 
 const GAP: usize = (1 << 24) - 1;
 const LENGTH: usize = 255;
+
+/// Edges that are put in order at a time.
+const SLAB: usize = 1 << 26;
 
 /// Some rows.
 #[derive(Debug, Default)]
@@ -70,12 +74,72 @@ pub struct Rows {
     n_rows: usize,
 }
 
+/// A place in a row: how many of its runs have been taken, and where the last of them ends.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cursor {
+    taken: u32,
+    end: u32,
+}
+
 impl Rows {
     /// Rows of `blocks`, each of [`BLOCK`] but the last.
     pub fn new(blocks: Vec<Block>) -> Self {
         let n_rows = blocks.iter().map(|b| b.ends.len()).sum();
         debug_assert!(blocks.iter().rev().skip(1).all(|b| b.ends.len() == BLOCK));
         Rows { blocks, n_rows }
+    }
+
+    /// The same edges by the numbers in the rows, which are below `n`.
+    pub fn transposed(&self, n: usize, workers: &Workers) -> Result<Self> {
+        // As many columns at a time as have about SLAB edges.
+        let mut count: Vec<u32> = try_vec(n + 1, 0, "the conflict graph")?;
+        for i in 0..self.n_rows {
+            for run in self.iter(i) {
+                count[run.start] = count[run.start].wrapping_add(1);
+                count[run.end] = count[run.end].wrapping_sub(1);
+            }
+        }
+        (0..n).for_each(|j| count[j + 1] = count[j + 1].wrapping_add(count[j]));
+        let mut slabs = vec![0];
+        let mut sum = 0;
+        for block in 0..n.div_ceil(BLOCK) {
+            let end = ((block + 1) * BLOCK).min(n);
+            sum += count[block * BLOCK..end].iter().map(|&c| c as usize).sum::<usize>();
+            if sum >= SLAB || end == n {
+                slabs.push(end);
+                sum = 0;
+            }
+        }
+        let mut blocks = Vec::new();
+        for slab in slabs.windows(2) {
+            let columns = slab[0]..slab[1];
+            let mut begins: Vec<u32> = try_vec(columns.len() + 1, 0, "the conflict graph")?;
+            (0..columns.len()).for_each(|j| begins[j + 1] = begins[j] + count[slab[0] + j]);
+            let mut cells: Vec<u32> = try_vec(begins[columns.len()] as usize, 0, "the conflict graph")?;
+            let mut at = begins.clone();
+            for i in 0..self.n_rows {
+                for run in self.iter(i).skip_while(|run| run.end <= slab[0]).take_while(|run| run.start < slab[1]) {
+                    for j in run.start.max(slab[0])..run.end.min(slab[1]) {
+                        cells[at[j - slab[0]] as usize] = i as u32;
+                        at[j - slab[0]] += 1;
+                    }
+                }
+            }
+            let made = workers.map(columns.len().div_ceil(BLOCK), |k| -> Result<Block> {
+                let mut block = Block::new()?;
+                for j in k * BLOCK..((k + 1) * BLOCK).min(columns.len()) {
+                    let cells = &cells[begins[j] as usize..begins[j + 1] as usize];
+                    block.push_row(|run| {
+                        cells.chunk_by(|a, b| a + 1 == *b).try_for_each(|c| run(c[0] as usize..c[0] as usize + c.len()))
+                    })?;
+                }
+                Ok(block)
+            });
+            for block in made {
+                blocks.push(block?);
+            }
+        }
+        Ok(Rows::new(blocks))
     }
 
     /// How many rows there are.
@@ -103,6 +167,15 @@ impl Rows {
     /// Whether the row has no edge.
     pub fn is_empty(&self, row: usize) -> bool {
         self.runs(row).is_empty()
+    }
+
+    /// The run behind `cursor`, which goes behind that.
+    #[inline]
+    pub fn next_run(&self, row: usize, cursor: &mut Cursor) -> Option<Range<usize>> {
+        let run = *self.runs(row).get(cursor.taken as usize)?;
+        let from = cursor.end + (run >> 8);
+        *cursor = Cursor { taken: cursor.taken + 1, end: from + (run & 255) };
+        Some(from as usize..cursor.end as usize)
     }
 
     /// The runs of a row, in order; one of more than 255 numbers comes in several.
@@ -136,5 +209,8 @@ mod tests {
         let numbers = |r| rows.iter(r).flatten().collect::<Vec<_>>();
         assert_eq!(numbers(1), row.iter().cloned().flatten().collect::<Vec<_>>());
         assert_eq!(numbers(2), [0]);
+        let mut cursor = Cursor::default();
+        let taken: Vec<usize> = std::iter::from_fn(|| rows.next_run(1, &mut cursor)).flatten().collect();
+        assert_eq!(taken, numbers(1));
     }
 }

@@ -5,7 +5,7 @@ use super::closure::{Pair, close, room};
 use super::conflict::{Conflicts, OverlapOptions, Side};
 use super::correlation::Correlation;
 use super::cut::cut;
-use super::family::family;
+use super::family::{FamilyOptions, family};
 use super::grid::Grid;
 use super::motion::{Law, Motion, Wave};
 use super::part::{Cell, Part};
@@ -405,7 +405,11 @@ fn families_are_free_maximal_and_below_a_bound_that_holds() {
         let sizes = SIDES.map(|s| conflicts.n_cells(s));
         let weights = sizes.map(|n| (0..n).map(|_| 1 + random.bits() % [1, 4][round % 2]).collect::<Vec<u64>>());
         let room = sizes.map(|n| Bits::all(n).unwrap());
-        let members = family(&conflicts, &room, [&weights[0], &weights[1]], &gammas, &mut Progress::silent()).unwrap();
+        let options = FamilyOptions { gap: 0.0 };
+        let of = |options| {
+            family(&conflicts, &room, [&weights[0], &weights[1]], &gammas, options, &mut Progress::silent()).unwrap()
+        };
+        let members = of(&options);
         // All pairs: each set of part 1 with all that it leaves of part 2; the corners of their hull are among them.
         let colliding = [
             Bits::of(sizes[0], |i| table[i].iter().any(|e| *e)).unwrap(),
