@@ -5,10 +5,9 @@
 use super::bits::{Bits, Marks};
 use super::part::Part;
 use super::rows::{BLOCK, Block, Rows};
-use super::separation::Separation;
-use super::steps::{Relative, Sampling, Step};
+use super::separation::Swathes;
+use super::steps::{Relative, Sampling};
 use crate::error::try_with_capacity;
-use crate::geometry::vec::number;
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::progress::Progress;
@@ -79,17 +78,15 @@ impl Conflicts {
         options: &OverlapOptions,
         progress: &mut Progress<'_>,
     ) -> Result<Self> {
-        if !(options.clearance >= 0.0 && options.clearance.is_finite()) {
-            return Err(Error::InvalidArgument(format!(
-                "a clearance of {}; it must be 0 or more, and finite",
-                number(options.clearance)
-            )));
-        }
-        if D == 2 {
-            overlap::<D, 8>(parts, relative, options, progress)
-        } else {
-            overlap::<D, 24>(parts, relative, options, progress)
-        }
+        let n_cells = parts.map(|p| p.grid().n_cells());
+        // Rows for the part with fewer cells: they are what the time goes into.
+        let rows_of = if parts[1].allowed().count() < parts[0].allowed().count() { Side::Second } else { Side::First };
+        let (moving, still) = (parts[rows_of.index()], parts[rows_of.other().index()]);
+        let seen = if rows_of == Side::First { relative.reversed() } else { relative.clone() };
+        let swathes = Swathes::new(&seen, options.sampling, still.grid(), moving.grid(), options.clearance)?;
+        let workers = Workers::new(options.n_threads)?;
+        let rows = build(&swathes, moving, still, options, &workers, progress)?;
+        Conflicts::of_made(n_cells, rows_of, rows, &workers)
     }
 
     /// The graph of which `edge`(cell of part 1, cell of part 2) tells the edges: for few cells, it asks for each pair.
@@ -195,30 +192,8 @@ impl Conflicts {
     }
 }
 
-fn overlap<const D: usize, const N: usize>(
-    parts: [&Part<D>; 2],
-    relative: &Relative<D>,
-    options: &OverlapOptions,
-    progress: &mut Progress<'_>,
-) -> Result<Conflicts> {
-    let n_cells = parts.map(|p| p.grid().n_cells());
-    // Rows for the part with fewer cells: they are what the time goes into.
-    let rows_of = if parts[1].allowed().count() < parts[0].allowed().count() { Side::Second } else { Side::First };
-    let (moving, still) = (parts[rows_of.index()], parts[rows_of.other().index()]);
-    let seen = match rows_of {
-        Side::First => relative.reversed(),
-        Side::Second => relative.clone(),
-    };
-    let steps = seen.bounded_steps(options.sampling, still.grid(), moving.grid())?;
-    let ready = |step: &Step<D>| Separation::<D, N>::new(step, still.grid(), moving.grid(), options.clearance);
-    let steps: Vec<Separation<D, N>> = steps.iter().map(ready).collect();
-    let workers = Workers::new(options.n_threads)?;
-    let rows = build(&steps, moving, still, options, &workers, progress)?;
-    Conflicts::of_made(n_cells, rows_of, rows, &workers)
-}
-
-fn build<const D: usize, const N: usize>(
-    steps: &[Separation<D, N>],
+fn build<const D: usize>(
+    swathes: &Swathes<D>,
     moving: &Part<D>,
     still: &Part<D>,
     options: &OverlapOptions,
@@ -226,7 +201,8 @@ fn build<const D: usize, const N: usize>(
     progress: &mut Progress<'_>,
 ) -> Result<Rows> {
     let n_rows = moving.grid().n_cells();
-    let block = |k: usize| dispatch(Overlaps { steps, moving, still, rows: k * BLOCK..((k + 1) * BLOCK).min(n_rows) });
+    let block =
+        |k: usize| dispatch(Overlaps { swathes, moving, still, rows: k * BLOCK..((k + 1) * BLOCK).min(n_rows) });
     let n_blocks = n_rows.div_ceil(BLOCK);
     let mut blocks: Vec<Block> = Vec::with_capacity(n_blocks);
     // A few at a time, so that progress is told and too large a graph is noticed early.
@@ -248,24 +224,23 @@ fn build<const D: usize, const N: usize>(
 }
 
 /// The rows of some cells.
-struct Overlaps<'a, const D: usize, const N: usize> {
-    steps: &'a [Separation<D, N>],
+struct Overlaps<'a, const D: usize> {
+    swathes: &'a Swathes<D>,
     moving: &'a Part<D>,
     still: &'a Part<D>,
     rows: std::ops::Range<usize>,
 }
 
-impl<const D: usize, const N: usize> Kernel for Overlaps<'_, D, N> {
+impl<const D: usize> Kernel for Overlaps<'_, D> {
     type Output = Result<Block>;
 
     #[inline(always)]
     fn run<I: Isa>(self) -> Result<Block> {
-        let (still, allowed) = (self.still.grid(), self.still.allowed());
+        let allowed = self.still.allowed();
         let (mut block, mut marks) = (Block::new()?, Marks::new(allowed.len())?);
         for i in self.rows {
             if self.moving.allowed().has(i) {
-                let x = self.moving.grid().center(i);
-                self.steps.iter().for_each(|step| step.mark(x, still.counts(), &mut marks));
+                self.swathes.mark(self.moving.grid().center(i), &mut marks);
             }
             block.push_row(|run| marks.take_runs(allowed, run))?;
         }

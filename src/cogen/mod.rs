@@ -14,6 +14,7 @@ pub mod part;
 pub mod rows;
 pub mod separation;
 pub mod steps;
+pub mod sweep;
 #[cfg(test)]
 mod tests;
 mod ties;

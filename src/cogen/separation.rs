@@ -16,15 +16,55 @@
 
 use super::bits::Marks;
 use super::grid::Grid;
-use super::steps::Step;
+use super::steps::{Relative, Sampling, Step};
+use crate::dimension::OfDimension;
 use crate::geometry::matrix::{Matrix, applied, diagonal, scaled, transposed};
-use crate::geometry::vec::{Vec3, add, cross, dot, norm, scale, sub};
+use crate::geometry::vec::{Vec3, add, cross, dot, norm, number, scale, sub};
+use crate::{Error, Result};
 
 /// Overlap of shadows, in cells, that counts as touching.
 const TOUCH: f64 = 1e-9;
 
+/// All steps of a motion made ready.
+pub struct Swathes<const D: usize> {
+    steps: OfDimension<Vec<Separation<D, 8>>, Vec<Separation<D, 24>>>,
+    counts: [usize; D],
+}
+
+impl<const D: usize> Swathes<D> {
+    /// For cells of `moving`, which `relative.of` moves, in those of `still`, from which they are to be apart by `clearance`.
+    pub fn new(
+        relative: &Relative<D>,
+        sampling: Sampling,
+        still: &Grid<D>,
+        moving: &Grid<D>,
+        clearance: f64,
+    ) -> Result<Self> {
+        if !(clearance >= 0.0 && clearance.is_finite()) {
+            let text = format!("a clearance of {}; it must be 0 or more, and finite", number(clearance));
+            return Err(Error::InvalidArgument(text));
+        }
+        let steps = relative.bounded_steps(sampling, still, moving)?;
+        let steps = if D == 2 {
+            OfDimension::Plane(steps.iter().map(|s| Separation::new(s, still, moving, clearance)).collect())
+        } else {
+            OfDimension::Space(steps.iter().map(|s| Separation::new(s, still, moving, clearance)).collect())
+        };
+        Ok(Swathes { steps, counts: still.counts() })
+    }
+
+    /// Puts into `marks` the cells that the moving cell with centre `x` may overlap at any time.
+    #[inline(always)]
+    pub fn mark(&self, x: [f64; D], marks: &mut Marks) {
+        match &self.steps {
+            OfDimension::Plane(steps) => steps.iter().for_each(|step| step.mark(x, self.counts, marks)),
+            OfDimension::Space(steps) => steps.iter().for_each(|step| step.mark(x, self.counts, marks)),
+        }
+    }
+}
+
 /// A step made ready: D dimensions, N axes, of which the first D are the staying grid's own, and places for those with v at the end.
-pub struct Separation<const D: usize, const N: usize> {
+struct Separation<const D: usize, const N: usize> {
     /// From the moving grid's coordinates to numbers of cells of the other, centres at whole ones.
     linear: Matrix<D>,
     shift: [f64; D],
@@ -51,7 +91,7 @@ fn shadow<const D: usize>(n: [f64; D], edges: &Matrix<D>) -> f64 {
 
 impl<const D: usize, const N: usize> Separation<D, N> {
     /// For cells of `moving` in those of `still`, which are to be apart by `clearance`.
-    pub fn new(step: &Step<D>, still: &Grid<D>, moving: &Grid<D>, clearance: f64) -> Self {
+    fn new(step: &Step<D>, still: &Grid<D>, moving: &Grid<D>, clearance: f64) -> Self {
         let cell = still.cell();
         let own: Matrix<D> = diagonal(1.0);
         // Columns of R are the directions of the moving cell's edges.
@@ -86,7 +126,7 @@ impl<const D: usize, const N: usize> Separation<D, N> {
 
     /// Puts into `marks` the cells that the moving cell with centre `x` may overlap.
     #[inline(always)]
-    pub fn mark(&self, x: [f64; D], counts: [usize; D], marks: &mut Marks) {
+    fn mark(&self, x: [f64; D], counts: [usize; D], marks: &mut Marks) {
         let q = add(applied(&self.linear, x), self.shift);
         let v = add(applied(&self.turn, q), self.drift);
         // Cells along each axis, from..to.
@@ -170,7 +210,7 @@ impl<const D: usize, const N: usize> Separation<D, N> {
 }
 
 /// How far the cells of `moving` may be, at any time of the step, from where going straight on would take them.
-pub fn slack<const D: usize>(step: &Step<D>, moving: &Grid<D>) -> f64 {
+fn slack<const D: usize>(step: &Step<D>, moving: &Grid<D>) -> f64 {
     let rho = 0.5 * moving.cell() * (D as f64).sqrt();
     step.twist.rate() * rho * step.half + step.bend
 }

@@ -10,6 +10,7 @@ use super::grid::Grid;
 use super::motion::{Law, Motion, Wave};
 use super::part::{Cell, Part};
 use super::steps::{Relative, Sampling};
+use super::sweep::{Body, Rule, sweep, unsweep};
 use crate::geometry::random::SplitMix64;
 use crate::geometry::rigid::{Rigid, Twist};
 use crate::geometry::vec::{add, cross, dot, norm, sub};
@@ -454,4 +455,70 @@ fn families_are_free_maximal_and_below_a_bound_that_holds() {
         assert_eq!(members[0].pair, members[8].pair);
     }
     assert_eq!(n_met, n);
+}
+
+#[test]
+fn sweeps_and_unsweeps_are_neighbours_in_the_graph() {
+    let mut random = SplitMix64::new(21);
+    let (workers, sampling) = (Workers::new(2).unwrap(), OverlapOptions::default().sampling);
+    for _ in 0..20 {
+        let (parts, relative) = case::<2>(&mut random);
+        let grids = parts.each_ref().map(|p| *p.grid());
+        let wanted: Vec<bool> = (0..grids[1].n_cells()).map(|_| random.unit() < 0.3).collect();
+        let set = Bits::of(wanted.len(), |j| wanted[j]).unwrap();
+        let silent = &mut Progress::silent();
+        let swept = sweep(&grids[1], &set, &relative, &grids[0], sampling, &workers, silent).unwrap();
+        // What part 1 may have beside it is what is not swept, seen from either.
+        let body =
+            Body { grid: grids[1], cells: &set, relative: relative.reversed(), rule: Rule::Avoid, clearance: 0.0 };
+        let kept = unsweep(&parts[0], &[body], sampling, &workers, silent).unwrap();
+        for t in (0..50).map(|k| f64::from(k) / 49.0) {
+            let pose = relative.at(t);
+            for (i, j) in (0..grids[0].n_cells()).flat_map(|i| set.iter().map(move |j| (i, j))) {
+                let moved: Vec<_> = vertices(&grids[1], j).into_iter().map(|p| pose.apply(p)).collect();
+                let meets = overlap(&vertices(&grids[0], i), &moved) > 1e-8;
+                assert!(!meets || (swept.has(i) && !kept.has(i)));
+            }
+        }
+        assert!(swept.iter().filter(|&i| kept.has(i)).count() <= swept.count() / 5);
+    }
+}
+
+/// A latch that turns in an enclosure about a pivot, and keeps off a pin that goes up: as in figure 2.
+#[test]
+fn a_latch_stays_in_its_enclosure_and_off_its_pin() {
+    let grid = Grid::new([-1.0, -1.0], 0.05, [40, 40]).unwrap();
+    let latch = Part::whole(grid).unwrap();
+    let turn = Motion::turn([0.0; 2], Law::even(-0.8)).unwrap();
+    let enclosure = Grid::new([-1.2, -0.9], 0.06, [40, 25]).unwrap();
+    let inside = Bits::of(enclosure.n_cells(), |i| norm(enclosure.center(i)) < 1.1).unwrap();
+    let pin = Grid::new([0.5, -0.2], 0.025, [8, 8]).unwrap();
+    let round = Bits::of(pin.n_cells(), |i| norm(sub(pin.center(i), [0.6, -0.1])) < 0.1).unwrap();
+    let up = Motion::slide([0.0, 1.0], Law::even(0.6)).unwrap();
+    let body = |grid, cells, from, rule| Body {
+        grid,
+        cells,
+        relative: Relative { from, of: turn.clone() },
+        rule,
+        clearance: 0.0,
+    };
+    let bodies = [body(enclosure, &inside, Motion::fixed(), Rule::StayIn), body(pin, &round, up.clone(), Rule::Avoid)];
+    let workers = Workers::caller_only();
+    let kept = unsweep(&latch, &bodies, OverlapOptions::default().sampling, &workers, &mut Progress::silent()).unwrap();
+    assert!(kept.count() > 300 && kept.count() < 1300, "{}", kept.count());
+    let mut random = SplitMix64::new(2);
+    let in_cells = |grid: &Grid<2>, cells: &Bits, p: [f64; 2]| {
+        let place: [f64; 2] = std::array::from_fn(|a| ((p[a] - grid.corner()[a]) / grid.cell()).floor());
+        let inside = (0..2).all(|a| (0.0..grid.counts()[a] as f64).contains(&place[a]));
+        inside && cells.has(grid.number(place.map(|x| x as usize)))
+    };
+    for i in kept.iter() {
+        for _ in 0..60 {
+            let (h, t) = (0.4999 * grid.cell(), random.unit());
+            let p = add(grid.center(i), std::array::from_fn(|_| random.between(-h, h)));
+            let world = turn.at(t).apply(p);
+            assert!(in_cells(&enclosure, &inside, world));
+            assert!(!in_cells(&pin, &round, up.at(t).apply_inverse(world)));
+        }
+    }
 }
