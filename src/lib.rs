@@ -12,6 +12,7 @@
 //! | [`linalg`] | operators | solutions by conjugate gradients, preconditioned by multigrid |
 //! | [`field`] | a cloud | a level-set field: fit, evaluation, file |
 //! | [`constraint`] | bodies, poses, fields | constraints with Jacobians and Hessians, aggregates |
+//! | [`cogen`] | two grids of cells and a motion | collision measures, pairs of parts that never collide |
 //! | [`dimension`], [`error`], [`isa`], [`par`], [`progress`] | | what all share: plane or space, errors, instructions, threads, progress |
 //! | `ffi` | all of the above | `libkeepout`, the C ABI of `include/keepout.h` |
 //!
@@ -20,6 +21,7 @@
 //! Unsafe code is in `ffi` for the pointers of C, in [`isa`] for instructions, in `pages` for a hint to the system, in [`spline::rows`] for
 //! rows that were checked before, and nowhere else.
 
+pub mod cogen;
 pub mod constraint;
 pub mod dimension;
 pub mod error;

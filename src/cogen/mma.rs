@@ -106,8 +106,8 @@ impl<const M: usize> Mma<M> {
         self.approximate(x, problem, workers);
         // r_i = f_i - sum of p / (u - x) + q / (x - l), at x.
         let at_x = self.sum(workers, |term, sum: &mut [f64; M]| {
-            for i in 0..M {
-                sum[i] += term.p[i] / (term.high - term.x) + term.q[i] / (term.x - term.low);
+            for (i, sum) in sum.iter_mut().enumerate() {
+                *sum += term.p[i] / (term.high - term.x) + term.q[i] / (term.x - term.low);
             }
         });
         let r = std::array::from_fn(|i| problem.values[i] - at_x[i]);
@@ -123,10 +123,10 @@ impl<const M: usize> Mma<M> {
 
     /// Nearer where x goes to and fro, farther where it goes on.
     fn move_asymptotes(&mut self, x: &[f64]) {
-        for j in 0..x.len() {
-            let (mut low, mut high) = (x[j] - FIRST, x[j] + FIRST);
+        for (j, &x) in x.iter().enumerate() {
+            let (mut low, mut high) = (x - FIRST, x + FIRST);
             if self.n_steps >= 2 {
-                let turned = (x[j] - self.last[j]) * (self.last[j] - self.before_last[j]);
+                let turned = (x - self.last[j]) * (self.last[j] - self.before_last[j]);
                 let factor = if turned < 0.0 {
                     NEARER
                 } else if turned > 0.0 {
@@ -134,8 +134,8 @@ impl<const M: usize> Mma<M> {
                 } else {
                     1.0
                 };
-                low = (x[j] - factor * (self.last[j] - self.low[j])).clamp(x[j] - FARTHEST, x[j] - NEAREST);
-                high = (x[j] + factor * (self.high[j] - self.last[j])).clamp(x[j] + NEAREST, x[j] + FARTHEST);
+                low = (x - factor * (self.last[j] - self.low[j])).clamp(x - FARTHEST, x - NEAREST);
+                high = (x + factor * (self.high[j] - self.last[j])).clamp(x + NEAREST, x + FARTHEST);
             }
             (self.low[j], self.high[j]) = (low, high);
         }
@@ -232,9 +232,9 @@ impl<const M: usize> Term<M> {
     #[inline]
     fn best(&self, lambda: &[f64; M]) -> (f64, f64, f64) {
         let (mut p, mut q) = (self.p0, self.q0);
-        for i in 0..M {
-            p += lambda[i] * self.p[i];
-            q += lambda[i] * self.q[i];
+        for (i, lambda) in lambda.iter().enumerate() {
+            p += lambda * self.p[i];
+            q += lambda * self.q[i];
         }
         let (a, b) = (p.sqrt(), q.sqrt());
         (((self.low * a + self.high * b) / (a + b)).clamp(self.alpha, self.beta), p, q)
@@ -246,9 +246,9 @@ impl<const M: usize> Term<M> {
         let (up, down) = (1.0 / (self.high - x), 1.0 / (x - self.low));
         dual.value += p * up + q * down;
         let mut slope = [0.0; M];
-        for i in 0..M {
+        for (i, slope) in slope.iter_mut().enumerate() {
             dual.gradient[i] += self.p[i] * up + self.q[i] * down;
-            slope[i] = self.p[i] * up * up - self.q[i] * down * down;
+            *slope = self.p[i] * up * up - self.q[i] * down * down;
         }
         if self.alpha < x && x < self.beta {
             let stiffness = 0.5 / (p * up * up * up + q * down * down * down);

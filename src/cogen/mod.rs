@@ -1,4 +1,35 @@
-//! Co-generation
+//! Co-generation: two parts in relative motion, shaped together until they never collide and cannot grow. Morris and Behandish 2022, *paper 002*.
+//!
+//! Takes two [`Part`]s, which are grids of cells and what each may do with its own, and a [`Relative`] motion; gives collision measures with
+//! their derivatives, and pairs of parts. A pair is a set of cells for each; none of what is given back collides.
+//!
+//! | source | here |
+//! |---|---|
+//! | motions, (3), (4); relative motion, (8), (9) | [`motion`]; [`steps`] |
+//! | sweep and unsweep, (1), (2), (23), (24) | [`sweep`] |
+//! | cells, (A.2); densities | [`grid`], [`part`] |
+//! | correlation weights, (A.14) to (A.17) | [`trajectory`] |
+//! | measures, (12) to (15) and (27) to (30); sensitivities, (31), (32) | [`correlation`] |
+//! | initially colliding subdomains, (33) to (36) | [`Correlation::colliding`] |
+//! | (37) to (43), Algorithm 1; Svanberg 1987, moving asymptotes | [`optimise`]; [`mma`] |
+//! | Definition 2, maximal pairs | [`closure`] |
+//! | overlap of moving cells, none missed | [`separation`] |
+//! | pairs as independent sets of a bipartite graph; the best as a minimum cut | [`conflict`], [`rows`]; [`cut`] |
+//! | Goldberg and Tarjan 1988, push and relabel | `flow` |
+//! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
+//! | (25), (26), the family over gamma | [`family`] |
+//!
+//! Where we depart from the paper, beyond what the pages of these say. Its measure looks at centres of cells at sampled times, so that pairs for
+//! which it is 0 still overlap: conflicts are by default those of whole cells at all times ([`Conflicts::of_overlap`]), and the measure's own are
+//! there as well ([`Correlation::conflicts`]). Lemma 1 speaks of the 0-superlevel set of the local measures, which is everything: it is their
+//! zero set that is the unsweep. And its optimisation finds a pair, where a cut finds the best.
+//!
+//! Notation: S_i the cells of part i, A_i those that it may have, N(.) neighbours in the conflict graph, eps a cell's edge, K steps of time,
+//! tau the pose of a part or, seen from the other, of both; w^12 and w^21 as in the paper. *Near* is the part whose cells the graph's rows are
+//! of, *far* the other.
+
+#![forbid(unsafe_code)]
+
 pub mod bits;
 pub mod closure;
 pub mod conflict;
@@ -15,7 +46,20 @@ pub mod rows;
 pub mod separation;
 pub mod steps;
 pub mod sweep;
-#[cfg(test)]
-mod tests;
 mod ties;
 pub mod trajectory;
+
+pub use bits::Bits;
+pub use closure::{Pair, close, room};
+pub use conflict::{Conflicts, OverlapOptions, Side};
+pub use correlation::{Correlation, Measures};
+pub use cut::{Cut, cut};
+pub use family::{FamilyOptions, Member, family};
+pub use grid::Grid;
+pub use motion::{Law, Motion, Wave};
+pub use optimise::{Design, OptimiseOptions, Optimised, optimise};
+pub use part::{Cell, Part};
+pub use steps::{Relative, Sampling};
+
+#[cfg(test)]
+mod tests;

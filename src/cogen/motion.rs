@@ -298,8 +298,8 @@ mod tests {
         let slide = Motion::slide([0.1, -0.4, 0.9], law()).unwrap();
         let sampled = Motion::sampled((0..5).map(|k| screw.times(&slide).at(f64::from(k) / 4.0)).collect()).unwrap();
         let product = screw.times(&sampled);
-        let all = vec![Motion::fixed(), screw.clone(), slide.clone(), sampled, product.clone(), product.inverse()];
-        all.iter().cloned().chain([screw.inverse().times(&slide), slide.inverse().times(&product)]).collect()
+        let (back, across) = (screw.inverse().times(&slide), slide.inverse().times(&product));
+        vec![Motion::fixed(), screw, slide, sampled, product.clone(), product.inverse(), back, across]
     }
 
     proptest! {

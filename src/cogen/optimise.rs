@@ -30,11 +30,26 @@ pub struct OptimiseOptions {
     pub tolerance: f64,
     /// What the measures may be at the end, as fractions of what they begin with, and the two sides of (37d), as one of the volume.
     pub feasibility: f64,
+    /// The part from which closure begins; by default that with the larger volume.
+    pub from: Option<Side>,
+}
+
+/// What is shaped.
+#[derive(Debug, Clone, Copy)]
+pub struct Design<'a, const D: usize> {
+    /// The paper's measure, by which densities are found.
+    pub correlation: &'a Correlation<D>,
+    /// The graph in which they are closed: the measure's own, or that of overlaps.
+    pub conflicts: &'a Conflicts,
+    /// The cells that each part may have beside the frozen ones of the other: see [`room`](super::room).
+    pub room: &'a [Bits; 2],
+    /// The frozen cells.
+    pub frozen: [&'a Bits; 2],
 }
 
 impl Default for OptimiseOptions {
     fn default() -> Self {
-        OptimiseOptions { gamma: 0.5, max_iterations: 200, tolerance: 1e-4, feasibility: 1e-3 }
+        OptimiseOptions { gamma: 0.5, max_iterations: 200, tolerance: 1e-4, feasibility: 1e-3, from: None }
     }
 }
 
@@ -71,24 +86,20 @@ struct Variables {
     measure: f64,
 }
 
-/// Runs Algorithm 1 on what both parts have `room` for, frozen cells `fixed`, and closes what it gives in `conflicts`, beginning with the
-/// part `from` or, where that is not given, the one with the larger volume.
+/// Runs Algorithm 1, and closes what it gives.
 pub fn optimise<const D: usize>(
-    correlation: &Correlation<D>,
-    conflicts: &Conflicts,
-    room: &[Bits; 2],
-    fixed: &[Bits; 2],
-    from: Option<Side>,
+    design: &Design<'_, D>,
     options: &OptimiseOptions,
     workers: &Workers,
     progress: &mut Progress<'_>,
 ) -> Result<Optimised> {
+    let Design { correlation, conflicts, room, frozen } = *design;
     options.check()?;
     let colliding = correlation.colliding(&correlation.conflicts(workers)?)?;
     let variables = [Side::First, Side::Second].map(|side| -> Result<Variables> {
         let k = side.index();
         let mut cells = try_with_capacity(colliding[k].count(), "densities")?;
-        cells.extend(colliding[k].iter().filter(|&i| room[k].has(i) && !fixed[k].has(i)).map(|i| i as u32));
+        cells.extend(colliding[k].iter().filter(|&i| room[k].has(i) && !frozen[k].has(i)).map(|i| i as u32));
         Ok(Variables { cells, measure: correlation.measure(side) })
     });
     let [one, two] = variables;
@@ -115,7 +126,7 @@ pub fn optimise<const D: usize>(
     } else {
         Side::Second
     };
-    let from = from.unwrap_or(larger);
+    let from = options.from.unwrap_or(larger);
     let pair = close(conflicts, room, from, &thresholded[from.index()])?;
     let left = [Side::First, Side::Second].map(|side| {
         let mut set = pair.cells[side.index()].clone();

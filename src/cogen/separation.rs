@@ -135,8 +135,7 @@ impl<const D: usize, const N: usize> Separation<D, N> {
             let reach = self.reach[a] + v[a].abs();
             from[a] = (q[a] - reach).floor().max(-1.0) + 1.0;
             to[a] = (q[a] + reach).ceil().min(self.counts[a]);
-            // Not `from >= to`, which would let a NaN pass.
-            if !(from[a] < to[a]) {
+            if from[a] >= to[a] {
                 return;
             }
         }

@@ -8,6 +8,7 @@ use super::cut::cut;
 use super::family::{FamilyOptions, family};
 use super::grid::Grid;
 use super::motion::{Law, Motion, Wave};
+use super::optimise::{Design, OptimiseOptions, optimise};
 use super::part::{Cell, Part};
 use super::steps::{Relative, Sampling};
 use super::sweep::{Body, Rule, sweep, unsweep};
@@ -521,4 +522,51 @@ fn a_latch_stays_in_its_enclosure_and_off_its_pin() {
             assert!(!in_cells(&pin, &round, up.at(t).apply_inverse(world)));
         }
     }
+}
+
+/// Two squares that turn against each other, as in section 5.1, of n^2 cells.
+fn gears(n: usize) -> ([Part<2>; 2], Relative<2>) {
+    let square = |x: f64| Part::whole(Grid::new([x - 0.5, -0.5], 1.0 / n as f64, [n, n]).unwrap()).unwrap();
+    let turn = |x: f64, turns: f64| Motion::turn([x, 0.0], Law::even(turns * std::f64::consts::TAU)).unwrap();
+    ([square(0.0), square(1.0)], Relative { from: turn(0.0, 1.0), of: turn(1.0, -1.0) })
+}
+
+#[test]
+fn moving_asymptotes_end_at_a_maximal_pair_below_the_cut() {
+    let (parts, relative) = gears(60);
+    let (pair, workers) = ([&parts[0], &parts[1]], Workers::new(2).unwrap());
+    let correlation = Correlation::new(pair, &relative, 200, 1 << 30, &workers, &mut Progress::silent()).unwrap();
+    let conflicts = correlation.conflicts(&workers).unwrap();
+    let room = pair.map(|p| p.allowed().clone());
+    let weights = [vec![1; 3600], vec![1; 3600]];
+    let best = cut(&conflicts, &room, [&weights[0], &weights[1]], &mut Progress::silent()).unwrap().weight;
+    let design =
+        Design { correlation: &correlation, conflicts: &conflicts, room: &room, frozen: pair.map(|p| p.frozen()) };
+    let unsweeps = SIDES.map(|s| close(&conflicts, &room, s, &room[s.index()]).unwrap());
+    for (gamma, unsweep) in [(0.0, Some(0)), (0.3, None), (0.5, None), (1.0, Some(1))] {
+        let options = OptimiseOptions { gamma, ..OptimiseOptions::default() };
+        let found = optimise(&design, &options, &workers, &mut Progress::silent()).unwrap();
+        assert!(found.converged && found.history.len() < 100, "{gamma}: {}", found.history.len());
+        let (first, last) = (found.history[0], found.history[found.history.len() - 1]);
+        assert!(last.measures.g21 <= 2e-3 * first.measures.g21 && last.measures.g12 <= 2e-3 * first.measures.g12);
+        let [v1, v2] = last.volumes;
+        assert!((gamma * v1 - (1.0 - gamma) * v2).abs() < 2e-3 * (first.volumes[0] + first.volumes[1]));
+        assert!((found.gamma - gamma).abs() < 0.05, "{gamma} {}", found.gamma);
+        // (25) and (26): at the ends it is an unsweep.
+        if let Some(k) = unsweep {
+            assert!(found.pair == unsweeps[k]);
+        }
+        let total = SIDES.map(|s| found.pair.count(s)).iter().sum::<usize>() as u64;
+        assert!(total <= best);
+        let kept = found
+            .pair
+            .cells
+            .each_ref()
+            .map(|set| (0..3600).map(|i| f64::from(u8::from(set.has(i)))).collect::<Vec<_>>());
+        let free = correlation.measures([&kept[0], &kept[1]], &workers).unwrap();
+        assert_eq!((free.g21, free.g12), (0.0, 0.0));
+    }
+    let options = OptimiseOptions { gamma: 1.5, ..OptimiseOptions::default() };
+    let told = optimise(&design, &options, &workers, &mut Progress::silent()).unwrap_err().to_string();
+    assert!(told.contains("gamma is 1.5"));
 }
