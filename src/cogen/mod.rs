@@ -18,6 +18,7 @@
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
 //! | (25), (26), the family over gamma | [`family`] |
+//! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`contact`] |
 //!
 //! Where we depart from the paper, beyond what the pages of these say. Its measure looks at centres of cells at sampled times, so that pairs for
 //! which it is 0 still overlap: conflicts are by default those of whole cells at all times ([`Conflicts::of_overlap`]), and the measure's own are
@@ -33,6 +34,7 @@
 pub mod bits;
 pub mod closure;
 pub mod conflict;
+pub mod contact;
 pub mod correlation;
 pub mod cut;
 pub mod family;
@@ -52,6 +54,7 @@ pub mod trajectory;
 pub use bits::Bits;
 pub use closure::{Pair, close, room};
 pub use conflict::{Conflicts, OverlapOptions, Side};
+pub use contact::{Contact, Gap, contact};
 pub use correlation::{Correlation, Measures};
 pub use cut::{Cut, cut};
 pub use family::{FamilyOptions, Member, family};

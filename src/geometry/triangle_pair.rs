@@ -76,7 +76,7 @@ fn pierced([i, j]: [usize; 2], a: &[Vec3; 3], b: &[Vec3; 3]) -> Option<(Vec3, Ve
 }
 
 /// Where on two segments, as parts of their lengths, their nearest points lie: Ericson 2005, 5.1.9.
-fn nearest_on_segments([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [f64; 2] {
+pub(crate) fn nearest_on_segments([p1, q1]: [Vec3; 2], [p2, q2]: [Vec3; 2]) -> [f64; 2] {
     let (d1, d2, r) = (sub(q1, p1), sub(q2, p2), sub(p1, p2));
     let (a, e, f) = (dot(d1, d1), dot(d2, d2), dot(d2, r));
     let part = |x: f64, of: f64| if of > 0.0 { (x / of).clamp(0.0, 1.0) } else { 0.0 };
