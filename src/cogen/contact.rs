@@ -105,7 +105,7 @@ impl<const D: usize> DistanceMap<D> {
             let count = grid.counts()[a];
             stride /= count;
             let (mut line, mut lower) = (vec![0.0_f32; count], LowerEnvelope::new(count));
-            for start in (0..n).filter(|i| i / stride % count == 0) {
+            for start in (0..n).filter(|i| (i / stride).is_multiple_of(count)) {
                 for k in 0..count {
                     line[k] = squares[start + k * stride];
                 }

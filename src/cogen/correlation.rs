@@ -88,7 +88,7 @@ impl<const D: usize> Correlation<D> {
         self.measures[side.index()]
     }
 
-    /// Refuses densities [n_1], [n_2] that are none: outside [0, 1], or not 0 where a part may not be.
+    /// Refuses densities `[n_1]`, `[n_2]` that are none: outside [0, 1], or not 0 where a part may not be.
     pub fn check(&self, densities: [&[f64]; 2]) -> Result<()> {
         for (k, (rho, allowed)) in densities.iter().zip(&self.allowed).enumerate() {
             if rho.len() != allowed.len() {
@@ -145,7 +145,7 @@ impl<const D: usize> Correlation<D> {
         Ok(())
     }
 
-    /// (29) and (30) for densities [n_1], [n_2].
+    /// (29) and (30) for densities `[n_1]`, `[n_2]`.
     pub fn measures(&self, densities: [&[f64]; 2], workers: &Workers) -> Result<Measures> {
         self.check(densities)?;
         let of = |side: Side| -> Result<f64> {
@@ -157,7 +157,7 @@ impl<const D: usize> Correlation<D> {
         Ok(Measures { g21: of(Side::Second)?, g12: of(Side::First)? })
     }
 
-    /// (31) and (32): derivatives of g_{2,1} and of g_{1,2}, each by both parts' densities; into `out`, [measure][part][cell].
+    /// (31) and (32): derivatives of g_{2,1} and of g_{1,2}, each by both parts' densities; into `out`, `[measure][part][cell]`.
     pub fn sensitivities(&self, densities: [&[f64]; 2], out: [[&mut [f64]; 2]; 2], workers: &Workers) -> Result<()> {
         self.check(densities)?;
         let [[d21_d1, d21_d2], [d12_d1, d12_d2]] = out;

@@ -24,7 +24,7 @@ pub struct Cut {
     pub n_phases: usize,
 }
 
-/// The pair of greatest weight among those within `room`; `weights` [n_1] and [n_2].
+/// The pair of greatest weight among those within `room`; `weights` `[n_1]` and `[n_2]`.
 pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progress: &mut Progress<'_>) -> Result<Cut> {
     let all = weight_of_all(room, weights)?;
     let near = conflicts.rows_of();

@@ -4,7 +4,7 @@
 //! gives a pair of greatest w_1 V_1 + w_2 V_2, a corner of the convex hull of all (V_1, V_2); and the cut's value bounds every pair there is:
 //! V_1 + V_2 <= W / (w_1 (1 - gamma) + w_2 gamma). Beginning with the two unsweeps, gamma = 0 and 1, weights are taken across the line between two
 //! known corners: either there is a corner beyond it, or the line is an edge of the hull. Pairs of one weight lie on such an edge, and a chain of
-//! them is walked from one end to the other ([`ties`](super::ties)): where it passes a gamma that is asked for, that pair is as good as any can be.
+//! them is walked from one end to the other (`ties`): where it passes a gamma that is asked for, that pair is as good as any can be.
 //! Where the chain, or what is known so far, leaps over it, some of the leap's cells are taken, those that conflict with each other first, and the
 //! pair is closed: maximal still, and taken if it is near enough to the bound, or if there is no corner left between.
 //!
@@ -77,7 +77,7 @@ fn gamma_of(volumes: [u64; 2]) -> f64 {
 }
 
 /// A pair for each of `gammas`, in their order: among the pairs of greatest weight where one comes near to it, else near to those. `weights`
-/// are the cells', [n_1] and [n_2]: all 1 for the same volume each.
+/// are the cells', `[n_1]` and `[n_2]`: all 1 for the same volume each.
 pub fn family(
     conflicts: &Conflicts,
     room: &[Bits; 2],

@@ -44,7 +44,7 @@ pub(super) struct Flow<'a> {
 }
 
 impl<'a> Flow<'a> {
-    /// None yet, among the cells `near` and `far`, with what each may pass on, [n] of all.
+    /// None yet, among the cells `near` and `far`, with what each may pass on, `[n]` of all.
     pub fn new(conflicts: &'a Conflicts, near: &Bits, supply: &[u64], far: &Bits, demand: &[u64]) -> Result<Self> {
         let of = |room: &Bits, weights: &[u64]| -> Result<Vec<u64>> {
             let mut vec = try_vec(weights.len(), 0, "the cut")?;

@@ -35,11 +35,11 @@ const PRICE: f64 = 1000.0;
 /// Values of m constraints, and derivatives of them and of the objective.
 #[derive(Debug)]
 pub struct Problem<'a, const M: usize> {
-    /// df_0/dx [n]
+    /// df_0/dx `[n]`
     pub objective: &'a [f64],
     /// f_i
     pub values: [f64; M],
-    /// df_i/dx [n]
+    /// df_i/dx `[n]`
     pub gradients: [&'a [f64]; M],
 }
 

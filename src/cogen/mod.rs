@@ -6,19 +6,19 @@
 //! | source | here |
 //! |---|---|
 //! | motions, (3), (4); relative motion, (8), (9) | [`motion`]; [`steps`] |
-//! | sweep and unsweep, (1), (2), (23), (24) | [`sweep`] |
+//! | sweep and unsweep, (1), (2), (23), (24) | [`mod@sweep`] |
 //! | cells, (A.2); densities | [`grid`], [`part`] |
 //! | correlation weights, (A.14) to (A.17) | [`trajectory`] |
 //! | measures, (12) to (15) and (27) to (30); sensitivities, (31), (32) | [`correlation`] |
 //! | initially colliding subdomains, (33) to (36) | [`Correlation::colliding`] |
-//! | (37) to (43), Algorithm 1; Svanberg 1987, moving asymptotes | [`optimise`]; [`mma`] |
+//! | (37) to (43), Algorithm 1; Svanberg 1987, moving asymptotes | [`mod@optimise`]; [`mma`] |
 //! | Definition 2, maximal pairs | [`closure`] |
 //! | overlap of moving cells, none missed | [`separation`] |
-//! | pairs as independent sets of a bipartite graph; the best as a minimum cut | [`conflict`], [`rows`]; [`cut`] |
+//! | pairs as independent sets of a bipartite graph; the best as a minimum cut | [`conflict`], [`rows`]; [`mod@cut`] |
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
-//! | (25), (26), the family over gamma | [`family`] |
-//! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`contact`] |
+//! | (25), (26), the family over gamma | [`mod@family`] |
+//! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`mod@contact`] |
 //!
 //! Where we depart from the paper, beyond what the pages of these say. Its measure looks at centres of cells at sampled times, so that pairs for
 //! which it is 0 still overlap: conflicts are by default those of whole cells at all times ([`Conflicts::of_overlap`]), and the measure's own are

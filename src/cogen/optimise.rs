@@ -67,7 +67,7 @@ pub struct Iteration {
 /// Densities, and the pair that they lead to.
 #[derive(Debug)]
 pub struct Optimised {
-    /// Of all cells, [n_1] and [n_2].
+    /// Of all cells, `[n_1]` and `[n_2]`.
     pub densities: [Vec<f64>; 2],
     /// What is above 1/2, closed.
     pub pair: Pair,
@@ -159,7 +159,7 @@ struct State<'a, const D: usize> {
     mma: Mma<4>,
     /// Densities of the variables, part 1's first.
     x: Vec<f64>,
-    /// Derivatives of -f, of g_21 and g_12, of (37d) and of minus that, [n] each.
+    /// Derivatives of -f, of g_21 and g_12, of (37d) and of minus that, `[n]` each.
     objective: Vec<f64>,
     gradients: [Vec<f64>; 4],
     /// Derivatives of both measures by all densities.
