@@ -303,7 +303,10 @@ inline bool report(const Outcome &o) {
 struct Arguments {
     std::string data, picture;
 
+    // `file` is one that the program reads; null: it reads none.
     Arguments(int argc, char **argv, const char *file) : data(argc > 1 ? argv[1] : ""), picture(argc > 2 ? argv[2] : "") {
+        if (file == nullptr)
+            return;
         std::FILE *found = std::fopen((data + "/" + file).c_str(), "rb");
         if (found == nullptr)
             throw std::runtime_error("there is no " + std::string(file) + " in the folder of data, '" + data +

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the library and experiments in release and runs them: run.sh [NAME...], of wind_farm, packing, drone; all of them without a name.
+# Builds the library and experiments in release and runs them: run.sh [NAME...], of wind_farm, packing, drone, wing; all of them without a name.
 # Pictures go to out/NAME.svg. Fails where one of them does. Installs what is missing on Debian: compilers, make, cmake, pkg-config,
 # coinor-libipopt-dev.
 #
@@ -9,11 +9,11 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$top/build/example_optimisers
 data=${KEEPOUT_DATA:-$top/../shared/data}
 
-[ $# -gt 0 ] || set -- wind_farm packing drone
+[ $# -gt 0 ] || set -- wind_farm packing drone wing
 for name; do
   case $name in
-    wind_farm | packing | drone) ;;
-    *) echo "there is no experiment '$name': wind_farm, packing and drone are" >&2 && exit 2 ;;
+    wind_farm | packing | drone | wing) ;;
+    *) echo "there is no experiment '$name': wind_farm, packing, drone and wing are" >&2 && exit 2 ;;
   esac
 done
 if [ ! -f "$data/PROVENANCE.md" ]; then
