@@ -17,13 +17,14 @@ constexpr double pi = 3.14159265358979323846;
 constexpr double mm = 1000; // of metres
 
 // What the wing is for.
-constexpr double weight = 40000;     // N, what it carries
-constexpr double pressure = 3700;    // Pa, of the air stream
-constexpr double friction = 0.0035;  // of a turbulent boundary layer, by area
-constexpr double area_needed = 20;   // m^2, of both halves
-constexpr double volume_needed = 0.35; // m^3, of the battery in each half
-constexpr double wanted = 0.010;     // m, from the battery to the skin
-constexpr double least = 0.014;      // m, of phi: room for the field's error and for what is between samples
+constexpr double weight = 6000;        // N, what it carries
+constexpr double pressure = 1240;      // Pa, of the air stream
+constexpr double friction = 0.0045;    // of a turbulent boundary layer, by area
+constexpr double area_needed = 9;      // m^2, of both halves
+constexpr double volume_needed = 0.12; // m^3, of the battery in each half
+constexpr double wanted = 0.010;       // m, from the battery to the skin
+constexpr double least = 0.013;        // m, of phi: room for the field's error and for what is between samples
+constexpr double newtons = 100;        // of drag's unit: it is of the order of 1
 
 // The variables: those of the wing, then those of the battery.
 enum : int { span, chord, thickness = chord + 3, n_wing = thickness + 3, place = n_wing, angle = place + 3, edge = angle + 3, n_all = edge + 3 };
@@ -31,11 +32,11 @@ using Numbers = std::array<double, n_all>;
 
 // Half-span in m; chords at root, middle, tip in m; thicknesses there in tenths of the chord. The battery's middle in m; yaw, roll and pitch
 // in radians; its edges along the chord, the span and upwards in m.
-constexpr Numbers first = {8, 1.6, 1.3, 0.9, 1.2, 1.2, 1.2, 0.7, 2.6, 0.1, 0, 0, 0, 0.7, 3, 0.25};
-constexpr Numbers lowest = {5, 0.5, 0.5, 0.5, 1, 1, 1, -5, 0, -5, -1, -1, -1, 0.1, 0.1, 0.05};
-constexpr Numbers highest = {11, 4, 4, 4, 2, 2, 2, 5, 11, 5, 1, 1, 1, 4, 11, 1};
+constexpr Numbers first = {3.6, 1.4, 1.3, 1.0, 1.2, 1.2, 1.2, 0.3, 1.2, 0.03, 0, 0, 0, 0.6, 1.6, 0.2};
+constexpr Numbers lowest = {2.5, 0.4, 0.4, 0.4, 1, 1, 1, -1, 0, -0.3, -1, -1, -1, 0.1, 0.1, 0.03};
+constexpr Numbers highest = {5, 3, 3, 3, 2, 2, 2, 2, 5, 0.5, 1, 1, 1, 2, 5, 0.5};
 // How far a wing's variable may be from where the field was fitted: further on it is fitted anew.
-constexpr std::array<double, n_wing> reach = {0.4, 0.15, 0.15, 0.15, 0.15, 0.15, 0.15};
+constexpr std::array<double, n_wing> reach = {0.2, 0.1, 0.1, 0.1, 0.15, 0.15, 0.15};
 
 // Of the three that a chord or a thickness is given by: parabolas that are 1 at one of root, middle and tip.
 std::array<double, 3> parabolas(double eta) { return {(1 - eta) * (1 - 2 * eta), 4 * eta * (1 - eta), eta * (2 * eta - 1)}; }
@@ -91,7 +92,7 @@ public:
     }
 
 private:
-    static constexpr double sweep = 8 * pi / 180, dihedral = 3 * pi / 180, washout = 2 * pi / 180;
+    static constexpr double sweep = 8 * pi / 180, dihedral = 2 * pi / 180, washout = 2 * pi / 180;
     static constexpr std::uint32_t stations = 40, around = 96;
 
     // x, y, z is a point of the line of quarter chords; the vertex is `back` and `up` chords from it, `half` what a unit of thickness adds
@@ -129,7 +130,7 @@ private:
     std::vector<std::uint32_t> triangles_;
 };
 
-// Drag of both halves in kN: friction, more of it on thick sections (Hoerner's 1 + 2 t + 60 t^4), and what lift takes, with lift along the
+// Drag of both halves in units of 100 N: friction, more of it on thick sections (Hoerner's 1 + 2 t + 60 t^4), and what lift takes, with lift along the
 // span as the chords are, of which the first four harmonics count. A measure that is drag's in kind; adds to gradient [n_all] if not null.
 double drag(const double *x, double *gradient) {
     double total = 0;
@@ -138,7 +139,7 @@ double drag(const double *x, double *gradient) {
         const double eta = static_cast<double>(k) / n, simpson = (k == 0 || k == n ? 1 : k % 2 == 1 ? 4 : 2) / (3.0 * n);
         const std::array<double, 3> l = parabolas(eta);
         const double c = along(l, x + chord), t = 0.1 * along(l, x + thickness), form = 1 + 2 * t + 60 * t * t * t * t;
-        const double of = simpson * 4 * 1e-3 * pressure * friction; // two sides of two halves
+        const double of = simpson * 4 * pressure * friction / newtons; // two sides of two halves
         total += of * x[span] * c * form;
         if (gradient == nullptr)
             continue;
@@ -160,7 +161,7 @@ double drag(const double *x, double *gradient) {
         a[h] = d_a[h][0] * x[chord] + d_a[h][1] * x[chord + 1] + d_a[h][2] * x[chord + 2];
         sum += (2 * h + 1) * a[h] * a[h];
     }
-    const double best = 1e-3 * weight * weight / (pressure * pi * 4 * x[span] * x[span]), induced = best * sum / (a[0] * a[0]);
+    const double best = weight * weight / (pressure * pi * 4 * x[span] * x[span]) / newtons, induced = best * sum / (a[0] * a[0]);
     if (gradient != nullptr) {
         gradient[span] -= 2 * induced / x[span];
         for (int i = 0; i < 3; ++i) {
@@ -306,12 +307,12 @@ public:
 private:
     static constexpr std::size_t n_samples = 8000;
 
-    // Cells as long along the span as the wing is plain there.
+    // A box with room around the wing: near its faces, where phi goes on outside, phi must be sure that it is outside of something so thin.
     static keepout::FitOptions wing_options() {
         keepout::FitOptions options = fit_options(KO_FEASIBLE_INSIDE);
-        const std::uint32_t counts[3] = {40, 24, 20};
+        const std::uint32_t counts[3] = {40, 46, 13};
         std::copy_n(counts, 3, options.control_points);
-        options.margin = 0.25;
+        options.margin = 0.5;
         options.reweightings = 1;
         return options;
     }
@@ -320,7 +321,7 @@ private:
     static keepout::FitOptions keep_options() {
         keepout::FitOptions options = wing_options();
         options.reweighting = KO_REWEIGHT_KEEP;
-        options.tolerance = 1e-9;
+        options.tolerance = 1e-10;
         options.max_iterations = 100000;
         return options;
     }
@@ -440,7 +441,7 @@ public:
                                Number, Index, const Ipopt::IpoptData *, Ipopt::IpoptCalculatedQuantities *) override {
         iterations = iteration;
         if (iteration % 20 == 0)
-            std::printf("  iteration %4d: drag %10.6f kN, missed by %.1e, dual %.1e\n", iteration, f, missed, slope);
+            std::printf("  iteration %4d: drag %10.6f N, missed by %.1e, dual %.1e\n", iteration, newtons * f, missed, slope);
         std::fflush(stdout);
         return true;
     }
@@ -498,7 +499,7 @@ double derivative_error(WingProblem &problem, const Numbers &x, int from, int to
         for (int s = -3; s <= 3; ++s) {
             if (s == 0)
                 continue;
-            constexpr double step = 1e-3;
+            constexpr double step = 3e-3;
             double g[n];
             Numbers there = x;
             for (int k = from; k < to; ++k)
@@ -555,7 +556,7 @@ void draw(const Loft &loft, const Numbers &start, const Numbers &end, const std:
         const keepout::Mesh wing = loft.mesh(x->data());
         const auto aside = [&](std::vector<double> points) {
             for (std::size_t i = 0; i < points.size(); i += 3)
-                points[i] += x == &end ? 3 : 0;
+                points[i] += x == &end ? 2 : 0;
             return points;
         };
         picture.add(aside(wing.vertices()), wing.triangles(), {0.85, 0.88, 0.92}, Faces::back, 0);
@@ -565,10 +566,12 @@ void draw(const Loft &loft, const Numbers &start, const Numbers &end, const std:
 }
 
 void tell(const char *when, const Numbers &x) {
-    std::printf("%-6s half-span %.3f m; chords %.3f, %.3f, %.3f m; %.1f, %.1f, %.1f %% thick; battery %.3f x %.3f x %.3f m, %.4f m^3; drag "
-                "%.5f kN\n",
-                when, x[span], x[chord], x[chord + 1], x[chord + 2], 10 * x[thickness], 10 * x[thickness + 1], 10 * x[thickness + 2],
-                x[edge], x[edge + 1], x[edge + 2], x[edge] * x[edge + 1] * x[edge + 2], drag(x.data(), nullptr));
+    std::printf("%s half-span %.3f m; chords %.3f, %.3f, %.3f m; %.1f, %.1f, %.1f %% thick\n", when, x[span], x[chord], x[chord + 1],
+                x[chord + 2], 10 * x[thickness], 10 * x[thickness + 1], 10 * x[thickness + 2]);
+    std::printf("  battery %.3f x %.3f x %.3f m at %.3f %.3f %.3f m, yaw %.2f, roll %.2f, pitch %.2f degrees; %.4f m^3; drag %.3f N\n",
+                x[edge], x[edge + 1], x[edge + 2], x[place], x[place + 1], x[place + 2], 180 / pi * x[angle], 180 / pi * x[angle + 1],
+                180 / pi * x[angle + 2], x[edge] * x[edge + 1] * x[edge + 2], newtons * drag(x.data(), nullptr));
+    std::fflush(stdout);
 }
 
 int run(const Arguments &arguments) {
@@ -580,11 +583,11 @@ int run(const Arguments &arguments) {
     outcome.n_unknowns = n_all;
     outcome.n_values = WingProblem::n_values;
     const Loft loft;
-    const Box box({10, 24, 4});
+    const Box box({8, 16, 3});
     Work work;
     Numbers x = first;
     outcome.start = mm * exact_clearance(loft, x);
-    tell("Start:", x);
+    tell("Start: ", x);
     std::printf("The battery sticks out of the wing by %.1f mm\n", -outcome.start);
 
     // Rounds: each fits the wing anew, and solves for wings within reach of that, until the wing stays where it is.
@@ -620,7 +623,8 @@ int run(const Arguments &arguments) {
                     problem->iterations, problem->kkt, moved, problem->failure.empty() ? "" : "; of a point on the way Keepout said: ",
                     problem->failure.c_str());
         x = problem->x;
-        tell("", x);
+        tell("  there", x);
+        std::printf("  KS of phi %.2f mm, exactly %.2f mm clear\n", mm * inside.value(x.data(), nullptr), mm * exact_clearance(loft, x));
         if (status != Ipopt::Solve_Succeeded)
             break;
         done = moved < 0.01 && tolerance < 1e-6;
@@ -632,12 +636,12 @@ int run(const Arguments &arguments) {
     outcome.seconds_solve = processor_seconds() - begin - outcome.seconds_fit;
     outcome.solved = done && agree;
     outcome.exact = mm * exact_clearance(loft, x);
-    tell("End:", x);
+    tell("End:   ", x);
     std::printf("\n| variables of wing and battery | fits, refits | adjoints | a refit | an adjoint | drag at the start | at the end |\n"
                 "|--:|--:|--:|--:|--:|--:|--:|\n"
-                "| %d, %d | %d, %d | %d | %.3f s | %.3f s | %.5f kN | %.5f kN |\n",
+                "| %d, %d | %d, %d | %d | %.3f s | %.3f s | %.4f N | %.4f N |\n",
                 +n_wing, n_all - n_wing, rounds, work.refits, work.adjoints, work.seconds_refits / std::max(work.refits, 1),
-                work.seconds_adjoints / std::max(work.adjoints, 1), drag(first.data(), nullptr), drag(x.data(), nullptr));
+                work.seconds_adjoints / std::max(work.adjoints, 1), newtons * drag(first.data(), nullptr), newtons * drag(x.data(), nullptr));
     if (!arguments.picture.empty())
         draw(loft, first, x, arguments.picture);
     return report(outcome) ? 0 : 1;
