@@ -27,11 +27,11 @@ constexpr double least = 0.013;        // m, of phi: room for the field's error 
 constexpr double newtons = 100;        // of drag's unit: it is of the order of 1
 
 // The variables: those of the wing, then those of the battery.
-enum : int { span, chord, thickness = chord + 3, n_wing = thickness + 3, place = n_wing, angle = place + 3, edge = angle + 3, n_all = edge + 3 };
+enum : int { span, chord, thickness = 4, n_wing = 7, place = n_wing, angle = 10, edge = 13, n_all = 16 };
 using Numbers = std::array<double, n_all>;
 
-// Half-span in m; chords at root, middle, tip in m; thicknesses there in tenths of the chord. The battery's middle in m; yaw, roll and pitch
-// in radians; its edges along the chord, the span and upwards in m.
+// Half-span in m; chords at root, middle, tip in m; thicknesses there in tenths of the chord. The battery's middle in m; yaw, roll and
+// pitch in radians; its edges along the chord, the span and upwards in m.
 constexpr Numbers first = {3.6, 1.4, 1.3, 1.0, 1.2, 1.2, 1.2, 0.3, 1.2, 0.03, 0, 0, 0, 0.6, 1.6, 0.2};
 constexpr Numbers lowest = {2.5, 0.4, 0.4, 0.4, 1, 1, 1, -1, 0, -0.3, -1, -1, -1, 0.1, 0.1, 0.03};
 constexpr Numbers highest = {5, 3, 3, 3, 2, 2, 2, 2, 5, 0.5, 1, 1, 1, 2, 5, 0.5};
@@ -125,13 +125,14 @@ private:
         }
     }
 
-    void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) { triangles_.insert(triangles_.end(), {a, b, c}); }
+    void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) { triangles_.insert(triangles_.end(), {a, c, b}); }
 
     std::vector<std::uint32_t> triangles_;
 };
 
-// Drag of both halves in units of 100 N: friction, more of it on thick sections (Hoerner's 1 + 2 t + 60 t^4), and what lift takes, with lift along the
-// span as the chords are, of which the first four harmonics count. A measure that is drag's in kind; adds to gradient [n_all] if not null.
+// Drag of both halves in units of 100 N: friction, more of it on thick sections (Hoerner's 1 + 2 t + 60 t^4), and what lift takes, with
+// lift along the span as the chords are, of which the first four harmonics count. A measure of drag's kind. Adds to gradient [n_all] if that
+// is not null.
 double drag(const double *x, double *gradient) {
     double total = 0;
     constexpr int n = 40, n_harmonics = 4;
@@ -307,12 +308,9 @@ public:
 private:
     static constexpr std::size_t n_samples = 8000;
 
-    // A box with room around the wing: near its faces, where phi goes on outside, phi must be sure that it is outside of something so thin.
     static keepout::FitOptions wing_options() {
         keepout::FitOptions options = fit_options(KO_FEASIBLE_INSIDE);
-        const std::uint32_t counts[3] = {40, 46, 13};
-        std::copy_n(counts, 3, options.control_points);
-        options.margin = 0.5;
+        options.margin = 0.25; // the wing moves within the box
         options.reweightings = 1;
         return options;
     }
@@ -440,7 +438,7 @@ public:
     bool intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number f, Number missed, Number slope, Number, Number, Number, Number,
                                Number, Index, const Ipopt::IpoptData *, Ipopt::IpoptCalculatedQuantities *) override {
         iterations = iteration;
-        if (iteration % 20 == 0)
+        if (iteration % 10 == 0)
             std::printf("  iteration %4d: drag %10.6f N, missed by %.1e, dual %.1e\n", iteration, newtons * f, missed, slope);
         std::fflush(stdout);
         return true;
@@ -584,6 +582,9 @@ int run(const Arguments &arguments) {
     outcome.n_values = WingProblem::n_values;
     const Loft loft;
     const Box box({8, 16, 3});
+    const ko_mesh_report shape = loft.mesh(first.data()).report();
+    if (shape.closed != 1 || shape.oriented != 1 || shape.manifold != 1 || shape.inside_out != 0)
+        throw std::runtime_error("the loft is no solid");
     Work work;
     Numbers x = first;
     outcome.start = mm * exact_clearance(loft, x);
@@ -641,7 +642,8 @@ int run(const Arguments &arguments) {
                 "|--:|--:|--:|--:|--:|--:|--:|\n"
                 "| %d, %d | %d, %d | %d | %.3f s | %.3f s | %.4f N | %.4f N |\n",
                 +n_wing, n_all - n_wing, rounds, work.refits, work.adjoints, work.seconds_refits / std::max(work.refits, 1),
-                work.seconds_adjoints / std::max(work.adjoints, 1), newtons * drag(first.data(), nullptr), newtons * drag(x.data(), nullptr));
+                work.seconds_adjoints / std::max(work.adjoints, 1), newtons * drag(first.data(), nullptr),
+                newtons * drag(x.data(), nullptr));
     if (!arguments.picture.empty())
         draw(loft, first, x, arguments.picture);
     return report(outcome) ? 0 : 1;
