@@ -21,7 +21,7 @@ constexpr double weight = 6000;        // N, what it carries
 constexpr double pressure = 1240;      // Pa, of the air stream
 constexpr double friction = 0.0045;    // of a turbulent boundary layer, by area
 constexpr double area_needed = 9;      // m^2, of both halves
-constexpr double volume_needed = 0.12; // m^3, of the battery in each half
+constexpr double volume_needed = 0.09; // m^3, of the battery in each half
 constexpr double wanted = 0.010;       // m, from the battery to the skin
 constexpr double least = 0.013;        // m, of phi: room for the field's error and for what is between samples
 constexpr double newtons = 100;        // of drag's unit: it is of the order of 1
@@ -32,7 +32,7 @@ using Numbers = std::array<double, n_all>;
 
 // Half-span in m; chords at root, middle, tip in m; thicknesses there in tenths of the chord. The battery's middle in m; yaw, roll and
 // pitch in radians; its edges along the chord, the span and upwards in m.
-constexpr Numbers first = {3.6, 1.4, 1.3, 1.0, 1.2, 1.2, 1.2, 0.3, 1.2, 0.03, 0, 0, 0, 0.6, 1.6, 0.2};
+constexpr Numbers first = {3.6, 1.4, 1.3, 1.0, 1.4, 1.4, 1.4, 0.3, 1.2, 0.03, 0, 0, 0, 0.5, 1.4, 0.2};
 constexpr Numbers lowest = {2.5, 0.4, 0.4, 0.4, 1, 1, 1, -1, 0, -0.3, -1, -1, -1, 0.1, 0.1, 0.03};
 constexpr Numbers highest = {5, 3, 3, 3, 2, 2, 2, 2, 5, 0.5, 1, 1, 1, 2, 5, 0.5};
 // How far a wing's variable may be from where the field was fitted: further on it is fitted anew.
@@ -608,11 +608,11 @@ int run(const Arguments &arguments) {
         ipopt->Options()->SetStringValue("sb", "yes"); // no banner
         ipopt->Options()->SetIntegerValue("print_level", 0);
         ipopt->Options()->SetStringValue("hessian_approximation", "limited-memory");
-        ipopt->Options()->SetStringValue("mu_strategy", "adaptive");
+        ipopt->Options()->SetNumericValue("mu_init", 1e-2);
         const double tolerance = moved < 0.1 ? 1e-7 : 1e-4;
         ipopt->Options()->SetNumericValue("tol", tolerance);
         ipopt->Options()->SetNumericValue("acceptable_tol", tolerance); // nothing less
-        ipopt->Options()->SetIntegerValue("max_iter", 500);
+        ipopt->Options()->SetIntegerValue("max_iter", 200);
         ipopt->Initialize();
         const Ipopt::ApplicationReturnStatus status = ipopt->OptimizeTNLP(problem);
         outcome.iterations += problem->iterations;
