@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the library and experiments in release and runs them: run.sh [NAME...], of wind_farm, packing, drone, wing; all but the wing, which does
-# not end at a solution yet, without a name. Pictures go to out/NAME.svg. Fails where one of them does. Installs what is missing on Debian: compilers, make, cmake, pkg-config,
+# Builds the library and experiments in release and runs them: run.sh [NAME...], of wind_farm, packing, drone, wing; all of them without a
+# name. Pictures go to out/NAME.svg. Fails where one of them does. Installs what is missing on Debian: compilers, make, cmake, pkg-config,
 # coinor-libipopt-dev.
 #
 #   KEEPOUT_DATA   folder of the test data; ../shared/data beside the project otherwise
@@ -9,7 +9,7 @@ top=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$top/build/example_optimisers
 data=${KEEPOUT_DATA:-$top/../shared/data}
 
-[ $# -gt 0 ] || set -- wind_farm packing drone
+[ $# -gt 0 ] || set -- wind_farm packing drone wing
 for name; do
   case $name in
     wind_farm | packing | drone | wing) ;;
