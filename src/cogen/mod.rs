@@ -5,9 +5,9 @@
 //!
 //! | source | here |
 //! |---|---|
-//! | motions, (3), (4); relative motion, (8), (9) | [`motion`]; [`steps`] |
+//! | motions, (3), (4); of gears and linkages; relative motion, (8), (9) | [`motion`]; [`mechanism`]; [`steps`] |
 //! | sweep and unsweep, (1), (2), (23), (24) | [`mod@sweep`] |
-//! | cells, (A.2); densities | [`grid`], [`part`] |
+//! | cells, (A.2); densities, (A.3) | [`grid`], [`part`]; [`fraction`] |
 //! | correlation weights, (A.14) to (A.17) | [`trajectory`] |
 //! | measures, (12) to (15) and (27) to (30); sensitivities, (31), (32) | [`correlation`] |
 //! | initially colliding subdomains, (33) to (36) | [`Correlation::colliding`] |
@@ -39,7 +39,9 @@ pub mod correlation;
 pub mod cut;
 pub mod family;
 mod flow;
+pub mod fraction;
 pub mod grid;
+pub mod mechanism;
 pub mod mma;
 pub mod motion;
 pub mod optimise;
