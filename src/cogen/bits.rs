@@ -126,11 +126,6 @@ impl Bits {
     pub fn each_in(&self, range: Range<usize>, mut take: impl FnMut(usize)) {
         pieces(range, |k, mask| ones(self.words[k] & mask).for_each(|b| take(64 * k + b)));
     }
-
-    /// The words, 64 numbers each.
-    pub fn words(&self) -> &[u64] {
-        &self.words
-    }
 }
 
 /// Calls `of` for each word that the range has a part of, with that part.

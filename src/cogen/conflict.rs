@@ -3,8 +3,9 @@
 //! An edge joins cells that overlap at some time. Pairs of parts that never collide are the independent sets of this bipartite graph.
 
 use super::bits::{Bits, Marks};
+use super::parcels::{Room, cells, each_block, n_blocks};
 use super::part::Part;
-use super::rows::{BLOCK, Block, Rows};
+use super::rows::{Block, Rows};
 use super::separation::Swathes;
 use super::steps::{Relative, Sampling};
 use crate::error::try_with_capacity;
@@ -44,7 +45,7 @@ pub struct OverlapOptions {
     pub sampling: Sampling,
     /// Distance that parts keep from each other at all times, in the caller's units.
     pub clearance: f64,
-    /// Bytes that the graph may take.
+    /// Bytes that the graph may take, rows and columns.
     pub max_bytes: u64,
     /// Threads; 0 takes all cores.
     pub n_threads: u32,
@@ -70,8 +71,11 @@ pub struct Conflicts {
 
 impl Conflicts {
     /// Cells that overlap at any time, or come nearer to each other than the clearance: no such pair is missed. Pairs that only nearly do
-    /// may count as well: see [`separation`](super::separation). Cells that a part may not have are left out. `motions` move the parts in
-    /// a world that both share.
+    /// may count as well: see `separation`. Cells that a part may not have are left out. `relative` is the motion of part 2 as seen from part 1.
+    ///
+    /// The error tells of a clearance below 0, of a motion with a number that is not finite, and of a graph that would take more than
+    /// `max_bytes`. Time: for each cell of the part with fewer of them and each step, and for each cell that it passes over then; as many bits on
+    /// one thread as on several.
     pub fn of_overlap<const D: usize>(
         parts: [&Part<D>; 2],
         relative: &Relative<D>,
@@ -106,9 +110,9 @@ impl Conflicts {
     ) -> Result<Self> {
         let (n_rows, n) = (n_cells[rows_of.index()], n_cells[rows_of.other().index()]);
         let all = Bits::all(n)?;
-        let made = workers.map(n_rows.div_ceil(BLOCK), |k| -> Result<Block> {
+        let made = workers.map(n_blocks(n_rows), |k| -> Result<Block> {
             let (mut block, mut marks) = (Block::new()?, Marks::new(n)?);
-            for i in k * BLOCK..((k + 1) * BLOCK).min(n_rows) {
+            for i in cells(k, n_rows) {
                 row(i, &mut |j| marks.insert_range(j..j + 1));
                 block.push_row(|run| marks.take_runs(&all, run))?;
             }
@@ -201,25 +205,15 @@ fn build<const D: usize>(
     progress: &mut Progress<'_>,
 ) -> Result<Rows> {
     let n_rows = moving.grid().n_cells();
-    let block =
-        |k: usize| dispatch(Overlaps { swathes, moving, still, rows: k * BLOCK..((k + 1) * BLOCK).min(n_rows) });
-    let n_blocks = n_rows.div_ceil(BLOCK);
-    let mut blocks: Vec<Block> = Vec::with_capacity(n_blocks);
-    // A few at a time, so that progress is told and too large a graph is noticed early.
-    let many = 4 * workers.n_threads().max(8);
-    while blocks.len() < n_blocks {
-        progress.tell(blocks.len() as f64 / n_blocks as f64, "conflicts")?;
-        let from = blocks.len();
-        for made in workers.map(many.min(n_blocks - from), |k| block(from + k)) {
-            blocks.push(made?);
-        }
-        let bytes: usize = blocks.iter().map(Block::bytes).sum();
-        if bytes as u64 > options.max_bytes {
-            let expected = bytes as u128 * n_blocks as u128 / blocks.len() as u128;
-            let limit = Some(u128::from(options.max_bytes));
-            return Err(Error::OutOfMemory { what: "the conflict graph".into(), bytes: expected, limit });
-        }
-    }
+    let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "the conflict graph")?;
+    // The columns will take about as much as the rows.
+    let mut room = Room::new("the conflict graph", n_rows, options.max_bytes);
+    let make = |rows| dispatch(Overlaps { swathes, moving, still, rows });
+    each_block(n_rows, workers, progress, "conflicts", make, |block| {
+        room.take(2 * block.bytes())?;
+        blocks.push(block);
+        Ok(())
+    })?;
     Ok(Rows::new(blocks))
 }
 

@@ -104,14 +104,14 @@ impl<const D: usize> DistanceMap<D> {
         for a in 0..D {
             let count = grid.counts()[a];
             stride /= count;
-            let (mut line, mut lower) = (vec![0.0_f32; count], LowerEnvelope::new(count));
+            let (mut line, mut lower) = (vec![0.0; count], LowerEnvelope::new(count));
             for start in (0..n).filter(|i| (i / stride).is_multiple_of(count)) {
                 for k in 0..count {
-                    line[k] = squares[start + k * stride];
+                    line[k] = f64::from(squares[start + k * stride]);
                 }
                 lower.transform(&mut line);
                 for k in 0..count {
-                    squares[start + k * stride] = line[k];
+                    squares[start + k * stride] = line[k] as f32;
                 }
             }
         }
@@ -130,7 +130,7 @@ impl<const D: usize> DistanceMap<D> {
         let Bounds { min, max } = grid.bounds();
         let beyond: [f64; D] =
             std::array::from_fn(|a| (min[a] + 0.5 * eps - p[a]).max(p[a] - max[a] + 0.5 * eps).max(0.0));
-        // Single precision rounds squares of up to 10^6 by less than this.
+        // Squares are stored in single precision, which rounds their roots by less than this.
         let from_here = f64::from(self.squares[i]).sqrt() * eps * (1.0 - 1e-6) - off;
         from_here.max(norm(beyond))
     }
@@ -139,8 +139,8 @@ impl<const D: usize> DistanceMap<D> {
 /// The one-dimensional transform: from f to the least of f(q) + (p - q)^2 over q, by the lower envelope of the parabolas.
 struct LowerEnvelope {
     vertex: Vec<usize>,
-    begin: Vec<f32>,
-    values: Vec<f32>,
+    begin: Vec<f64>,
+    values: Vec<f64>,
 }
 
 impl LowerEnvelope {
@@ -148,21 +148,21 @@ impl LowerEnvelope {
         LowerEnvelope { vertex: Vec::with_capacity(n), begin: Vec::with_capacity(n), values: vec![0.0; n] }
     }
 
-    fn transform(&mut self, line: &mut [f32]) {
+    fn transform(&mut self, line: &mut [f64]) {
         self.vertex.clear();
         self.begin.clear();
         for (q, &value) in line.iter().enumerate().filter(|(_, v)| v.is_finite()) {
-            let mut from = f32::NEG_INFINITY;
+            let mut from = f64::NEG_INFINITY;
             while let Some(&v) = self.vertex.last() {
                 // Where the new parabola goes below the last.
-                let (a, b) = (q as f32, v as f32);
+                let (a, b) = (q as f64, v as f64);
                 from = ((value + a * a) - (line[v] + b * b)) / (2.0 * (a - b));
                 if from > self.begin[self.begin.len() - 1] {
                     break;
                 }
                 self.vertex.pop();
                 self.begin.pop();
-                from = f32::NEG_INFINITY;
+                from = f64::NEG_INFINITY;
             }
             self.vertex.push(q);
             self.begin.push(from);
@@ -172,10 +172,10 @@ impl LowerEnvelope {
         }
         let mut k = 0;
         for (p, value) in self.values.iter_mut().enumerate() {
-            while k + 1 < self.vertex.len() && self.begin[k + 1] <= p as f32 {
+            while k + 1 < self.vertex.len() && self.begin[k + 1] <= p as f64 {
                 k += 1;
             }
-            let off = p as f32 - self.vertex[k] as f32;
+            let off = p as f64 - self.vertex[k] as f64;
             *value = off * off + line[self.vertex[k]];
         }
         line.copy_from_slice(&self.values);

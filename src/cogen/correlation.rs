@@ -11,8 +11,8 @@
 
 use super::bits::Bits;
 use super::conflict::{Conflicts, Side};
+use super::parcels::BLOCK;
 use super::part::Part;
-use super::rows::BLOCK;
 use super::steps::Relative;
 use super::trajectory::Trajectories;
 use crate::error::try_vec;

@@ -20,8 +20,8 @@ pub struct Cut {
     pub weight: u64,
     /// The flow: no pair weighs more than all cells less this.
     pub flow: u64,
-    /// How often trees grew.
-    pub n_phases: usize,
+    /// How often labels were made.
+    pub n_rounds: usize,
 }
 
 /// The pair of greatest weight among those within `room`; `weights` `[n_1]` and `[n_2]`.
@@ -30,11 +30,11 @@ pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progre
     let near = conflicts.rows_of();
     let (near_room, far_room) = (&room[near.index()], &room[near.other().index()]);
     let mut flow = Flow::new(conflicts, near_room, weights[near.index()], far_room, weights[near.other().index()])?;
-    let (kept, other, n_phases) = flow.solve(near_room, far_room, progress)?;
+    let (kept, other, n_rounds) = flow.solve(near_room, far_room, progress)?;
     let pair = Pair { cells: if near == Side::First { [kept, other] } else { [other, kept] } };
     let weight = pair.weigh(weights).iter().sum();
     debug_assert_eq!(weight + flow.amount(), all);
-    Ok(Cut { pair, weight, flow: flow.amount(), n_phases })
+    Ok(Cut { pair, weight, flow: flow.amount(), n_rounds })
 }
 
 /// What all cells of `room` weigh.

@@ -121,7 +121,7 @@ impl<'a> Flow<'a> {
     }
 
     /// Lets flow what can without taking any back: from the cells with the fewest conflicts on, each to those of the fewest. That comes within
-    /// a percent of the whole flow, where flow to the first cells with room would leave a tenth to be found by trees.
+    /// a percent of the whole flow, where flow to the first cells with room would leave a tenth to be moved about.
     fn fill(&mut self) -> Result<()> {
         let rows = self.conflicts.rows();
         let mut open = Bits::of(self.demand.len(), |j| self.demand[j] > 0)?;

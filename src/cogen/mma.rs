@@ -95,11 +95,6 @@ impl<const M: usize> Mma<M> {
         })
     }
 
-    /// The multipliers found last.
-    pub fn multipliers(&self) -> [f64; M] {
-        self.lambda
-    }
-
     /// Takes `x` to the next iterate.
     pub fn step(&mut self, x: &mut [f64], problem: &Problem<'_, M>, workers: &Workers) {
         self.move_asymptotes(x);

@@ -8,13 +8,13 @@
 //! | motions, (3), (4); of gears and linkages; relative motion, (8), (9) | [`motion`]; [`mechanism`]; [`steps`] |
 //! | sweep and unsweep, (1), (2), (23), (24) | [`mod@sweep`] |
 //! | cells, (A.2); densities, (A.3) | [`grid`], [`part`]; [`fraction`] |
-//! | correlation weights, (A.14) to (A.17) | [`trajectory`] |
+//! | correlation weights, (A.14) to (A.17) | `trajectory` |
 //! | measures, (12) to (15) and (27) to (30); sensitivities, (31), (32) | [`correlation`] |
 //! | initially colliding subdomains, (33) to (36) | [`Correlation::colliding`] |
 //! | (37) to (43), Algorithm 1; Svanberg 1987, moving asymptotes | [`mod@optimise`]; [`mma`] |
 //! | Definition 2, maximal pairs | [`closure`] |
-//! | overlap of moving cells, none missed | [`separation`] |
-//! | pairs as independent sets of a bipartite graph; the best as a minimum cut | [`conflict`], [`rows`]; [`mod@cut`] |
+//! | overlap of moving cells, none missed | `separation` |
+//! | pairs as independent sets of a bipartite graph; the best as a minimum cut | [`conflict`], `rows`; [`mod@cut`] |
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
 //! | (25), (26), the family over gamma | [`mod@family`] |
@@ -45,13 +45,14 @@ pub mod mechanism;
 pub mod mma;
 pub mod motion;
 pub mod optimise;
+mod parcels;
 pub mod part;
-pub mod rows;
-pub mod separation;
+mod rows;
+mod separation;
 pub mod steps;
 pub mod sweep;
 mod ties;
-pub mod trajectory;
+mod trajectory;
 
 pub use bits::Bits;
 pub use closure::{Pair, close, room};

@@ -120,6 +120,9 @@ impl<const D: usize> Motion<D> {
         if !(is_finite(&twist.drift) && is_finite(twist.turn.as_flattened())) {
             return Err(Error::InvalidArgument("a number of the motion's screw is not finite".into()));
         }
+        if (0..D).any(|a| (0..=a).any(|b| twist.turn[a][b] != -twist.turn[b][a])) {
+            return Err(Error::InvalidArgument("the matrix of the motion's screw is not skew: W^T must be -W".into()));
+        }
         law.check()?;
         Ok(Motion(Arc::new(Kind::Along(twist, law))))
     }
@@ -346,6 +349,8 @@ mod tests {
         let nan = Law { slope: f64::NAN, ..Law::default() };
         assert!(Motion::<2>::turn([0.0; 2], nan).unwrap_err().to_string().contains("law"));
         assert!(Motion::<2>::turn([0.0, f64::INFINITY], Law::even(1.0)).is_err());
+        let bent = Twist { turn: [[0.1, -1.0], [1.0, 0.0]], drift: [0.0; 2] };
+        assert!(Motion::along(bent, Law::even(1.0)).unwrap_err().to_string().contains("skew"));
         assert!(Motion::<3>::screw([0.0; 3], [0.0; 3], 0.0, Law::even(1.0)).unwrap_err().to_string().contains("axis"));
     }
 }

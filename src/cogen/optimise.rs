@@ -111,9 +111,10 @@ pub fn optimise<const D: usize>(
     for k in 0..=options.max_iterations {
         progress.tell(k as f64 / (options.max_iterations + 1) as f64, "moving asymptotes")?;
         let (iteration, values) = state.evaluate(&densities)?;
-        history.push(Iteration { change: history.len().min(1) as f64 * state.change, ..iteration });
-        converged = k > 0 && state.change < options.tolerance;
-        if converged || k == options.max_iterations || state.x.is_empty() {
+        history.push(iteration);
+        // Where nothing collides there is nothing to do.
+        converged = state.x.is_empty() || k > 0 && state.change < options.tolerance;
+        if converged || k == options.max_iterations {
             break;
         }
         state.step(values, &mut densities);
@@ -241,7 +242,7 @@ impl<'a, const D: usize> State<'a, D> {
                 *to = scale * self.all[all][k][i];
             }
         }
-        Ok((Iteration { volumes, measures, change: 0.0 }, values))
+        Ok((Iteration { volumes, measures, change: self.change }, values))
     }
 
     /// Goes on to the next iterate.

@@ -4,13 +4,11 @@
 //! several words, of which those before the last may have no number. Rows stand in blocks, so that they can be made on several threads and
 //! never move.
 
+use super::parcels::BLOCK;
 use crate::Result;
 use crate::error::{try_reserve, try_vec, try_with_capacity};
 use crate::par::Workers;
 use std::ops::Range;
-
-/// Rows of a block.
-pub const BLOCK: usize = 256;
 
 const GAP: usize = (1 << 24) - 1;
 const LENGTH: usize = 255;
@@ -142,11 +140,6 @@ impl Rows {
         Ok(Rows::new(blocks))
     }
 
-    /// How many rows there are.
-    pub fn n_rows(&self) -> usize {
-        self.n_rows
-    }
-
     /// How many edges there are.
     pub fn n_edges(&self) -> usize {
         self.blocks.iter().map(|b| b.n_edges).sum()
@@ -203,7 +196,7 @@ mod tests {
         block.push_row(|run| run(0..1)).unwrap();
         let rows = Rows::new(vec![block]);
         assert_eq!(
-            (rows.n_rows(), rows.is_empty(0), rows.n_edges()),
+            (rows.n_rows, rows.is_empty(0), rows.n_edges()),
             (3, true, row.iter().map(Range::len).sum::<usize>() + 1)
         );
         let numbers = |r| rows.iter(r).flatten().collect::<Vec<_>>();

@@ -1,20 +1,21 @@
 //! Sweep and unsweep of cells: paper 002, section 2, (1) and (2).
 //!
 //! sweep(M, S) is what S passes over as it moves, unsweep(M, S) what stays within S. Here both are of cells, and on the safe side, by
-//! [`separation`](super::separation): a sweep holds every cell of the other grid that is overlapped at any time, an unsweep only cells that overlap
+//! `separation`: a sweep holds every cell of the other grid that is overlapped at any time, an unsweep only cells that overlap
 //! nothing they must avoid, and leave nothing they must stay in, at any time. Several bodies, each with its own motion, are met at once: the
 //! latch of figure 2 stays in its enclosure and keeps off its pin. (2) writes the pin's unsweep with S_P where its complement is meant, as in (1).
 
 use super::bits::{Bits, Marks};
 use super::grid::Grid;
+use super::parcels::each_block;
 use super::part::Part;
-use super::rows::BLOCK;
 use super::separation::Swathes;
 use super::steps::{Relative, Sampling};
 use crate::Result;
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::progress::Progress;
+use std::ops::Range;
 
 /// What a part has to do with a body's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,13 +54,15 @@ pub fn sweep<const D: usize>(
     let swathes = Swathes::new(relative, sampling, still, moving, 0.0)?;
     let all = Bits::all(still.n_cells())?;
     let mut swept = Bits::none(still.n_cells())?;
-    let n_blocks = moving.n_cells().div_ceil(BLOCK);
     let make = |block| dispatch(Swept { swathes: &swathes, moving, cells, all: &all, block });
-    each_few(n_blocks, workers, progress, "sweep", make, |found| swept.unite(&found))?;
+    each_block(moving.n_cells(), workers, progress, "sweep", make, |found| {
+        swept.unite(&found);
+        Ok(())
+    })?;
     Ok(swept)
 }
 
-/// The cells that a part may have so that it keeps to the rules of all `bodies` throughout the motion.
+/// The cells that a part may have so that it keeps to the rules of all `bodies` throughout the motion; whether it must have any does not count.
 pub fn unsweep<const D: usize>(
     part: &Part<D>,
     bodies: &[Body<'_, D>],
@@ -90,8 +93,9 @@ pub fn unsweep<const D: usize>(
         let tested = kept.clone();
         let make =
             |block| dispatch(Unswept { swathes: &swathes, moving, forbidden: &forbidden, tested: &tested, block });
-        each_few(moving.n_cells().div_ceil(BLOCK), workers, progress, "unsweep", make, |lost: Vec<usize>| {
+        each_block(moving.n_cells(), workers, progress, "unsweep", make, |lost: Vec<usize>| {
             lost.into_iter().for_each(|i| kept.remove(i));
+            Ok(())
         })?;
     }
     Ok(kept)
@@ -109,32 +113,13 @@ fn outside<const D: usize>(grid: &Grid<D>, cells: &Bits) -> Result<(Grid<D>, Bit
     Ok((wide, Bits::of(wide.n_cells(), is_outside)?))
 }
 
-/// Calls `make` for each of n blocks, a few at a time on all threads, and `take` with what it gives, in order.
-fn each_few<T: Send>(
-    n: usize,
-    workers: &Workers,
-    progress: &mut Progress<'_>,
-    stage: &str,
-    make: impl Fn(usize) -> Result<T> + Sync + Send,
-    mut take: impl FnMut(T),
-) -> Result<()> {
-    let many = 4 * workers.n_threads().max(8);
-    for from in (0..n).step_by(many) {
-        progress.tell(from as f64 / n as f64, stage)?;
-        for made in workers.map(many.min(n - from), |k| make(from + k)) {
-            take(made?);
-        }
-    }
-    Ok(())
-}
-
 /// The cells that a block of moving cells passes over.
 struct Swept<'a, const D: usize> {
     swathes: &'a Swathes<D>,
     moving: &'a Grid<D>,
     cells: &'a Bits,
     all: &'a Bits,
-    block: usize,
+    block: Range<usize>,
 }
 
 impl<const D: usize> Kernel for Swept<'_, D> {
@@ -143,7 +128,7 @@ impl<const D: usize> Kernel for Swept<'_, D> {
     #[inline(always)]
     fn run<I: Isa>(self) -> Result<Bits> {
         let (mut marks, mut found) = (Marks::new(self.all.len())?, Bits::none(self.all.len())?);
-        for i in cells_of(self.block, self.moving).filter(|&i| self.cells.has(i)) {
+        for i in self.block.filter(|&i| self.cells.has(i)) {
             self.swathes.mark(self.moving.center(i), &mut marks);
         }
         marks.take_runs(self.all, &mut |run| {
@@ -160,7 +145,7 @@ struct Unswept<'a, const D: usize> {
     moving: &'a Grid<D>,
     forbidden: &'a Bits,
     tested: &'a Bits,
-    block: usize,
+    block: Range<usize>,
 }
 
 impl<const D: usize> Kernel for Unswept<'_, D> {
@@ -169,7 +154,7 @@ impl<const D: usize> Kernel for Unswept<'_, D> {
     #[inline(always)]
     fn run<I: Isa>(self) -> Result<Vec<usize>> {
         let (mut marks, mut lost) = (Marks::new(self.forbidden.len())?, Vec::new());
-        for i in cells_of(self.block, self.moving).filter(|&i| self.tested.has(i)) {
+        for i in self.block.filter(|&i| self.tested.has(i)) {
             self.swathes.mark(self.moving.center(i), &mut marks);
             let mut met = false;
             marks.take_runs(self.forbidden, &mut |_| {
@@ -182,8 +167,4 @@ impl<const D: usize> Kernel for Unswept<'_, D> {
         }
         Ok(lost)
     }
-}
-
-fn cells_of<const D: usize>(block: usize, grid: &Grid<D>) -> std::ops::Range<usize> {
-    block * BLOCK..((block + 1) * BLOCK).min(grid.n_cells())
 }

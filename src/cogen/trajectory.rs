@@ -6,8 +6,8 @@
 
 use super::bits::Bits;
 use super::grid::Grid;
+use super::parcels::{BLOCK, Room, each_block, n_blocks};
 use super::part::Part;
-use super::rows::BLOCK;
 use super::steps::Step;
 use crate::error::{try_reserve, try_with_capacity};
 use crate::geometry::matrix::{Matrix, applied, scaled};
@@ -61,29 +61,14 @@ impl<const D: usize> Trajectories<D> {
         };
         let places: Vec<Placing<D>> = steps.iter().map(place).collect();
         let n_rows = moving.grid().n_cells();
-        let n_blocks = n_rows.div_ceil(BLOCK);
-        let mut blocks: Vec<Block> = try_with_capacity(n_blocks, "trajectories")?;
-        let many = 4 * workers.n_threads().max(8);
-        while blocks.len() < n_blocks {
-            progress.tell(blocks.len() as f64 / n_blocks as f64, "trajectories")?;
-            let from = blocks.len();
-            let make = |k: usize| {
-                let rows = (from + k) * BLOCK..((from + k + 1) * BLOCK).min(n_rows);
-                dispatch(Trace { places: &places, still, moving, rows })
-            };
-            for made in workers.map(many.min(n_blocks - from), make) {
-                blocks.push(made?);
-            }
-            let bytes: usize = blocks.iter().map(Block::bytes).sum();
-            if bytes as u64 > max_bytes {
-                let expected = bytes as u128 * n_blocks as u128 / blocks.len() as u128;
-                return Err(Error::OutOfMemory {
-                    what: "the trajectories".into(),
-                    bytes: expected,
-                    limit: Some(max_bytes.into()),
-                });
-            }
-        }
+        let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "trajectories")?;
+        let mut room = Room::new("the trajectories", n_rows, max_bytes);
+        let make = |rows| dispatch(Trace { places: &places, still, moving, rows });
+        each_block(n_rows, workers, progress, "trajectories", make, |block| {
+            room.take(block.bytes())?;
+            blocks.push(block);
+            Ok(())
+        })?;
         let n_visits = blocks.iter().map(|b| b.n_visits).sum();
         Ok(Trajectories { blocks, n_rows, n_visits, moves: moves(still.grid()) })
     }
