@@ -8,11 +8,11 @@ use super::part::Part;
 use super::rows::{Block, Rows};
 use super::separation::Swathes;
 use super::steps::{Relative, Sampling};
+use crate::Result;
 use crate::error::try_with_capacity;
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::progress::Progress;
-use crate::{Error, Result};
 
 /// One of the two parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
