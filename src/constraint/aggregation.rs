@@ -90,6 +90,15 @@ impl Aggregation {
         }
     }
 
+    /// What the sums of `n` values are moved by, in y, for the aggregate to lie on its side.
+    pub(super) fn moved(self, n: usize) -> f64 {
+        match (self.kind, self.side) {
+            (Kind::Ks | Kind::PNorm, Side::Above) => self.reach(n),
+            (Kind::InducedExponential, Side::Below) => -self.reach(n),
+            _ => 0.0,
+        }
+    }
+
     /// What the aggregates of `n` values on the two sides differ by, in y.
     fn reach(self, n: usize) -> f64 {
         let n = n.max(1) as f64;
@@ -178,11 +187,11 @@ pub(super) struct SampleWeight {
 impl Aggregate {
     /// Of `n` samples with these `sums`.
     pub fn new(of: Aggregation, unit: f64, sums: SoftMin, n: usize) -> Self {
-        let moved = match (of.kind, of.side) {
-            (Kind::Ks | Kind::PNorm, Side::Above) => of.reach(n),
-            (Kind::InducedExponential, Side::Below) => -of.reach(n),
-            _ => 0.0,
-        };
+        Self::moved_by(of, unit, sums, of.moved(n))
+    }
+
+    /// Of samples with these `sums`, for whose number [`Aggregation::moved`] gives `moved`.
+    pub fn moved_by(of: Aggregation, unit: f64, sums: SoftMin, moved: f64) -> Self {
         let soft = sums.least - sums.sum.ln() / of.sharpness + moved;
         Aggregate { of, unit, sums, moved, soft }
     }
@@ -269,6 +278,18 @@ pub enum Extreme {
     Largest,
 }
 
+impl Extreme {
+    /// The sign with which values, and their aggregate, come from and go to an aggregate of the least; and that aggregate for `of`.
+    pub(super) fn by_the_least(self, of: Aggregation) -> (f64, Aggregation) {
+        match (self, of.side) {
+            (Extreme::Least, _) => (1.0, of),
+            // Below the largest is above the least of the negatives.
+            (Extreme::Largest, Side::Below) => (-1.0, Aggregation { side: Side::Above, ..of }),
+            (Extreme::Largest, Side::Above) => (-1.0, Aggregation { side: Side::Below, ..of }),
+        }
+    }
+}
+
 /// Where the results of [`aggregate`] go; `None` where one is not wanted.
 #[derive(Default)]
 pub struct Derivatives<'a> {
@@ -282,17 +303,17 @@ pub struct Derivatives<'a> {
 /// largest, value.
 pub fn aggregate(of: Aggregation, extreme: Extreme, unit: f64, values: &[f64], wanted: Derivatives) -> Result<f64> {
     check(of, unit, values, &wanted)?;
-    let (sign, side) = match (extreme, of.side) {
-        (Extreme::Least, side) => (1.0, side),
-        // Below the largest is above the least of the negatives.
-        (Extreme::Largest, Side::Below) => (-1.0, Side::Above),
-        (Extreme::Largest, Side::Above) => (-1.0, Side::Below),
-    };
-    let of = Aggregation { side, ..of };
+    let (sign, of) = extreme.by_the_least(of);
+    let signed = values.iter().map(|v| sign * v);
     if of.kind == Kind::Minimum {
-        return Ok(first_extreme(values, sign, wanted.gradient));
+        let at = first_least(signed);
+        if let Some(gradient) = wanted.gradient {
+            gradient.fill(0.0);
+            gradient[at] = 1.0;
+        }
+        return Ok(values[at]);
     }
-    let one = Aggregate::new(of, unit, sums(of, unit, values, sign), values.len());
+    let one = Aggregate::new(of, unit, sums(of, unit, signed), values.len());
     let weight = |i: usize| one.weight(sign * values[i]);
     if let Some(gradient) = wanted.gradient {
         (0..values.len()).for_each(|i| gradient[i] = weight(i).first);
@@ -315,21 +336,17 @@ pub fn aggregate(of: Aggregation, extreme: Extreme, unit: f64, values: &[f64], w
     Ok(sign * one.value())
 }
 
-/// The least value, or, with `sign` -1, the largest, the first that is.
-fn first_extreme(values: &[f64], sign: f64, gradient: Option<&mut [f64]>) -> f64 {
-    let at = (1..values.len()).fold(0, |at, i| if sign * values[i] < sign * values[at] { i } else { at });
-    if let Some(gradient) = gradient {
-        gradient.fill(0.0);
-        gradient[at] = 1.0;
-    }
-    values[at]
+/// The number of the first of the least values.
+pub(super) fn first_least(values: impl Iterator<Item = f64>) -> usize {
+    values.enumerate().fold((0, f64::INFINITY), |least, (i, v)| if v < least.1 { (i, v) } else { least }).0
 }
 
-fn sums(of: Aggregation, unit: f64, values: &[f64], sign: f64) -> SoftMin {
-    let y = |v: &f64| y_of(of.kind, sign * v * (1.0 / unit));
-    let least = values.iter().map(y).fold(f64::INFINITY, f64::min);
-    values.iter().fold(SoftMin { least, ..SoftMin::EMPTY }, |s, v| {
-        let t = y(v) - least;
+/// The sums over `values`, which are gone through twice.
+pub(super) fn sums(of: Aggregation, unit: f64, values: impl Iterator<Item = f64> + Clone) -> SoftMin {
+    let y = values.map(|v| y_of(of.kind, v * (1.0 / unit)));
+    let least = y.clone().fold(f64::INFINITY, f64::min);
+    y.fold(SoftMin { least, ..SoftMin::EMPTY }, |s, y| {
+        let t = y - least;
         let e = (-of.sharpness * t).exp();
         SoftMin { sum: s.sum + e, first: s.first + e * t, ..s }
     })
@@ -468,9 +485,9 @@ mod tests {
         let mut random = SplitMix64::new(4);
         let values = values(1000, &mut random);
         let of = Aggregation { sharpness: 30.0, ..Aggregation::default() };
-        let whole = sums(of, 1.0, &values, 1.0);
+        let whole = sums(of, 1.0, values.iter().copied());
         let mut parts = SoftMin::EMPTY;
-        values.chunks(70).for_each(|part| parts.merge(sums(of, 1.0, part, 1.0), 30.0));
+        values.chunks(70).for_each(|part| parts.merge(sums(of, 1.0, part.iter().copied()), 30.0));
         assert!((parts.sum / whole.sum - 1.0).abs() < 1e-13 && (parts.first / whole.first - 1.0).abs() < 1e-12);
         assert_eq!(parts.least, whole.least);
     }

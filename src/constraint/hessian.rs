@@ -91,6 +91,13 @@ impl<const D: usize> Term<D> {
                 format!("value {} is a minimum, which is not smooth and has no Hessian; take KS", self.first_row);
             return Err(Error::Unsupported(text));
         }
+        if !self.region.is_smooth() {
+            let text = format!(
+                "the fields of value {} are combined by a minimum, which is not smooth and has no Hessian; take KS",
+                self.first_row
+            );
+            return Err(Error::Unsupported(text));
+        }
         let aggregate = if self.aggregation.is_one() { Some(self.aggregate(x, relative)?.0) } else { None };
         let mut second = Second {
             term: self,
@@ -134,7 +141,7 @@ impl<const D: usize> Second<'_, D> {
             gradients: Some(&mut block.block.gradients[..n]),
             hessians: Some(&mut block.hessians[..n * (D * (D + 1) / 2)]),
         };
-        self.term.field.eval_from(range.start, &block.block.z[..n], outputs)?;
+        self.term.region.eval_from(range.start, &block.block.z[..n], outputs)?;
         for (i, sample) in range.enumerate() {
             block.weights[i] = match &self.aggregate {
                 Some(aggregate) => aggregate.weight(block.block.phi[i]),

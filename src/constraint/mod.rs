@@ -10,6 +10,7 @@
 //! | section 1, representative points of a design | [`body`], points that are variables: [`set`] |
 //! | section 1, layout, shape, path | [`pose`], `relative`, [`set`] |
 //! | section 3.5, aggregation | [`aggregation`] |
+//! | beyond the paper: unions and intersections of feasible sets | [`region`] |
 //! | the constraint phi(x_i) >= 0, with derivatives | `term`, `hessian`, `moments` |
 //! | section 2.1, 2.2.3 with (1): the formulations of others | [`formulations`] |
 //!
@@ -29,6 +30,7 @@ mod hessian;
 mod layout;
 mod moments;
 pub mod pose;
+pub mod region;
 mod relative;
 pub mod set;
 mod term;
@@ -36,6 +38,7 @@ mod term;
 pub use aggregation::{Aggregation, Derivatives, Extreme, Kind, Side, aggregate};
 pub use body::Body;
 pub use pose::{PoseKind, Rotation, Scale};
+pub use region::Region;
 pub use set::{Constraints, FrameId, PointsId, Size, WORLD};
 
 #[cfg(test)]

@@ -4,10 +4,10 @@ use super::aggregation::Aggregation;
 use super::body::Body;
 use super::layout::{Layout, Span};
 use super::pose::{Order, Pose, PoseKind};
+use super::region::Region;
 use super::relative::{Placed, Relative};
 use super::term::{Entry, HessianBlocks, Output, Samples, Term};
 use crate::error::try_reserve;
-use crate::field::Field;
 use crate::{Error, Result};
 use std::sync::Arc;
 
@@ -125,23 +125,23 @@ impl<const D: usize> Constraints<D> {
         fits(self.n_variables as u128 + more as u128, "variables")
     }
 
-    /// Requires that `body`, which moves with `frame`, lies where phi of `field`, which moves with `field_frame`, is positive. Gives the
-    /// number of its first value.
+    /// Requires that `body`, which moves with `frame`, lies where phi of `region`, a field or several, which moves with `field_frame`, is
+    /// positive. Gives the number of its first value.
     pub fn keep_body(
         &mut self,
         (body, frame): (Arc<Body<D>>, FrameId),
-        (field, field_frame): (Arc<Field<D>>, FrameId),
+        (region, field_frame): (impl Into<Region<D>>, FrameId),
         aggregation: Aggregation,
     ) -> Result<usize> {
         self.check_frame(frame)?;
-        self.keep(Samples::Body(body), frame, (field, field_frame), aggregation)
+        self.keep(Samples::Body(body), frame, (region.into(), field_frame), aggregation)
     }
 
     /// The same of points that are variables.
     pub fn keep_points(
         &mut self,
         PointsId(points): PointsId,
-        (field, field_frame): (Arc<Field<D>>, FrameId),
+        (region, field_frame): (impl Into<Region<D>>, FrameId),
         aggregation: Aggregation,
     ) -> Result<usize> {
         let Some(span) = self.points.get(points) else {
@@ -151,14 +151,14 @@ impl<const D: usize> Constraints<D> {
             )));
         };
         let samples = Samples::Points { first_variable: span.first, n: span.n / D };
-        self.keep(samples, WORLD, (field, field_frame), aggregation)
+        self.keep(samples, WORLD, (region.into(), field_frame), aggregation)
     }
 
     fn keep(
         &mut self,
         samples: Samples<D>,
         frame: FrameId,
-        (field, field_frame): (Arc<Field<D>>, FrameId),
+        (region, field_frame): (Region<D>, FrameId),
         aggregation: Aggregation,
     ) -> Result<usize> {
         self.check_frame(field_frame)?;
@@ -173,7 +173,7 @@ impl<const D: usize> Constraints<D> {
         let mut term = Term {
             samples,
             samples_frame: frame.0,
-            field,
+            region,
             field_frame: field_frame.0,
             aggregation,
             first_row: self.n_rows,

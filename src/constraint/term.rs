@@ -1,15 +1,16 @@
-//! One requirement: samples of a design in a field, a value a sample or one for all, with its derivatives.
+//! One requirement: samples of a design in a field, or in a region of several, a value a sample or one for all, with its derivatives.
 //!
 //! Notation: p a sample in its frame, z = M p + m in the field's, s the field's scale; J = s F(phi(z_1), phi(z_2), ...), F the aggregate, or
-//! each phi by itself.
+//! each phi by itself; phi that of the region, if it is of several fields.
 
 use super::aggregation::{Aggregate, Aggregation, Kind, SampleWeight, SoftMin};
 use super::body::{Body, with_one};
 use super::layout::{BlockOf, Span};
 use super::moments::{BLOCK, Exponentials, Moments, Place};
+use super::region::Region;
 use super::relative::Relative;
 use crate::Result;
-use crate::field::{Field, Outputs};
+use crate::field::Outputs;
 use crate::geometry::matrix::{Affine, applied_transposed};
 use crate::geometry::vec::{add, scale};
 use crate::isa::dispatch;
@@ -34,13 +35,13 @@ pub struct HessianBlocks {
     pub points: [Option<BlockOf>; 2],
 }
 
-/// Samples that shall lie where phi of a field is positive.
+/// Samples that shall lie where phi of a region is positive.
 #[derive(Debug, Clone)]
 pub struct Term<const D: usize> {
     pub samples: Samples<D>,
     /// Index of the frame that the samples are in.
     pub samples_frame: usize,
-    pub field: Arc<Field<D>>,
+    pub region: Region<D>,
     pub field_frame: usize,
     pub aggregation: Aggregation,
     pub first_row: usize,
@@ -132,9 +133,9 @@ impl<const D: usize> Term<D> {
         }
     }
 
-    /// D, in the field's frame.
+    /// D, in the field's frame; the largest of several fields.
     pub fn unit(&self) -> f64 {
-        self.field.diagonal()
+        self.region.unit()
     }
 
     /// Puts the samples `range`, each with a 1 behind it, into `block`, and places them.
@@ -156,7 +157,7 @@ impl<const D: usize> Term<D> {
         self.place(x, map, range, block);
         let outputs =
             Outputs { values: Some(&mut block.phi[..n]), gradients: Some(&mut block.gradients[..n]), hessians: None };
-        self.field.eval_from(first, &block.z[..n], outputs)
+        self.region.eval_from(first, &block.z[..n], outputs)
     }
 
     /// The values, one a row.
@@ -170,7 +171,7 @@ impl<const D: usize> Term<D> {
             self.place(x, &relative.map, range.clone(), &mut block);
             let values = &mut values[range.clone()];
             let outputs = Outputs { values: Some(&mut *values), ..Outputs::default() };
-            self.field.eval_from(range.start, &block.z[..range.len()], outputs)?;
+            self.region.eval_from(range.start, &block.z[..range.len()], outputs)?;
             values.iter_mut().for_each(|v| *v *= relative.scale);
         }
         Ok(())
@@ -184,7 +185,7 @@ impl<const D: usize> Term<D> {
             self.place(x, &relative.map, range.clone(), &mut block);
             let phi = &mut block.phi[..n];
             let outputs = Outputs { values: Some(&mut *phi), ..Outputs::default() };
-            self.field.eval_from(range.start, &block.z[..n], outputs)?;
+            self.region.eval_from(range.start, &block.z[..n], outputs)?;
             if self.aggregation.kind == Kind::Minimum {
                 least = (range.start..).zip(phi.iter()).fold(least, |m, (i, v)| if *v < m.0 { (*v, i) } else { m });
             } else {

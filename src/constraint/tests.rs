@@ -221,6 +221,226 @@ fn points_in_fields_of_space() {
     points_in_fields::<3>(4);
 }
 
+/// A region of one to four fields by a smooth combination.
+fn region<const D: usize>(random: &mut SplitMix64) -> Region<D> {
+    let kinds = [Kind::Ks, Kind::InducedExponential, Kind::PNorm];
+    let of = of_kind(kinds[(random.bits() % 3) as usize], random);
+    let extreme = if random.unit() < 0.5 { Extreme::Least } else { Extreme::Largest };
+    let fields = (0..1 + random.bits() % 4).map(|_| field(random)).collect();
+    Region::new(fields, extreme, of).unwrap()
+}
+
+fn samples_in_regions<const D: usize>(seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    for aggregate in SMOOTH {
+        for of_body in kinds::<D>() {
+            for of_region in kinds::<D>() {
+                let mut set = Constraints::<D>::new();
+                let (moving, around) = (set.add_frame(of_body).unwrap(), set.add_frame(of_region).unwrap());
+                let points = set.add_points(2).unwrap();
+                let n = 1 + (random.bits() % 5) as usize;
+                let (a, of) = (body(n, &mut random), of_kind(aggregate, &mut random));
+                set.keep_body((a.clone(), moving), (region(&mut random), around), of).unwrap();
+                set.keep_body((a, around), (region(&mut random), WORLD), of).unwrap();
+                set.keep_points(points, (region(&mut random), around), of).unwrap();
+                let mut x = parameters::<D>(of_body, &mut random);
+                x.extend(parameters::<D>(of_region, &mut random));
+                x.extend((0..2 * D).map(|_| random.between(-1.0, 1.0)));
+                let text = format!("{of:?} {of_body:?} {of_region:?} {n} points, {D}D");
+                derivatives_are_those_of_differences(&set, &x, &mut random, &text);
+            }
+        }
+    }
+}
+
+#[test]
+fn samples_in_regions_of_the_plane() {
+    samples_in_regions::<2>(9);
+}
+
+#[test]
+fn samples_in_regions_of_space() {
+    samples_in_regions::<3>(10);
+}
+
+/// The values of `points` in each of `fields`, and combined.
+fn combined<const D: usize>(
+    fields: &[Arc<Field<D>>],
+    extreme: Extreme,
+    of: Aggregation,
+    points: &[[f64; D]],
+) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let each = Aggregation { kind: Kind::None, ..of };
+    let values_in = |region: Region<D>| {
+        let mut set = Constraints::<D>::new();
+        let body = Arc::new(Body::new(points, 0.0).unwrap());
+        set.keep_body((body, WORLD), (region, WORLD), each).unwrap();
+        values(&set, &[])
+    };
+    let alone = fields.iter().map(|field| values_in(field.clone().into())).collect();
+    (alone, values_in(Region::new(fields.to_vec(), extreme, of).unwrap()))
+}
+
+/// Sample by sample, of more samples than a block has and of more fields than leave a whole block of them.
+fn combinations_are_aggregates_of_the_fields<const D: usize>(seed: u64) {
+    let mut random = SplitMix64::new(seed);
+    for n_fields in [1, 2, 3, 7, 200] {
+        let fields: Vec<_> = (0..n_fields).map(|_| field::<D>(&mut random)).collect();
+        let unit = fields.iter().fold(0.0, |most: f64, field| most.max(field.diagonal()));
+        let points: Vec<[f64; D]> = (0..300).map(|_| std::array::from_fn(|_| random.between(-1.5, 1.5))).collect();
+        for kind in [Kind::Ks, Kind::InducedExponential, Kind::PNorm, Kind::Minimum] {
+            for extreme in [Extreme::Least, Extreme::Largest] {
+                let of = Aggregation { kind, ..of_kind(kind, &mut random) };
+                let (alone, together) = combined(&fields, extreme, of, &points);
+                for (i, value) in together.iter().enumerate() {
+                    let phi: Vec<f64> = alone.iter().map(|values| values[i]).collect();
+                    let one = aggregate(of, extreme, unit, &phi, Derivatives::default()).unwrap();
+                    assert!((value - one).abs() < 1e-13, "{of:?} {extreme:?} of {n_fields}: {value} {one}");
+                    let end = match extreme {
+                        Extreme::Least => phi.iter().copied().fold(f64::INFINITY, f64::min),
+                        Extreme::Largest => phi.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                    };
+                    let apart = if of.side == Side::Below { end - value } else { value - end };
+                    match kind {
+                        Kind::Minimum => assert_eq!(*value, end),
+                        _ => assert!(apart > -1e-13, "{of:?} {extreme:?} of {n_fields}: {value} {end}"),
+                    }
+                    let most = match kind {
+                        Kind::Ks => unit * (n_fields as f64).ln() / of.sharpness,
+                        _ => f64::INFINITY,
+                    };
+                    assert!(apart < most + 1e-13, "{of:?} {extreme:?} of {n_fields}: {value} {end}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn combinations_of_the_plane_are_aggregates_of_the_fields() {
+    combinations_are_aggregates_of_the_fields::<2>(11);
+}
+
+#[test]
+fn combinations_of_space_are_aggregates_of_the_fields() {
+    combinations_are_aggregates_of_the_fields::<3>(12);
+}
+
+/// About the signed distance to the ball of `radius` around `center`, positive inside: splines of its values on a fine grid.
+fn ball<const D: usize>(center: [f64; D], radius: f64) -> Arc<Field<D>> {
+    let grid = Grid { axes: [Axis { lower: -2.0, cell: 0.1, n_cells: 40 }; D] };
+    let counts = grid.axes.map(|axis| axis.n_cells + 3);
+    let c = (0..grid.n_control())
+        .map(|i| {
+            let (mut rest, mut square) = (i, 0.0);
+            for a in (0..D).rev() {
+                let x = -2.0 + 0.1 * ((rest % counts[a]) as f64 - 1.0);
+                rest /= counts[a];
+                square += (x - center[a]).powi(2);
+            }
+            radius - square.sqrt()
+        })
+        .collect();
+    Arc::new(Field::from_control_points(grid, c, Feasible::Outside, 4.0).unwrap())
+}
+
+/// Two balls that overlap: the union has a body that neither holds, the intersection has only what both hold.
+fn unions_hold_what_no_part_holds<const D: usize>() {
+    let point = |x: f64| std::array::from_fn(|a| if a == 0 { x } else { 0.0 });
+    let tanks = [-0.6, 0.6].map(|x| ball::<D>(point(x), 0.9));
+    let rod: Vec<[f64; D]> = (0..=24).map(|i| point(-1.2 + 0.1 * i as f64)).collect();
+    for kind in [Kind::Ks, Kind::InducedExponential, Kind::PNorm, Kind::Minimum] {
+        let of = Aggregation { kind, sharpness: 100.0, side: Side::Below };
+        let (alone, union) = combined(&tanks, Extreme::Largest, of, &rod);
+        assert!(alone.iter().all(|values| values.iter().any(|v| *v < -0.5)));
+        assert!(union.iter().all(|v| *v > 0.1), "{of:?}: {union:?}");
+        let (_, both) = combined(&tanks, Extreme::Least, of, &rod);
+        for (i, value) in both.iter().enumerate() {
+            assert_eq!(*value > 0.0, (9..=15).contains(&i), "{of:?}: {both:?}");
+        }
+        // Outside all of it is outside each: two obstacles as one value.
+        let mut set = Constraints::<D>::new();
+        let path = set.add_points(2).unwrap();
+        let whole = Aggregation { sharpness: 100.0, ..Aggregation::default() };
+        let region = Region::new(tanks.to_vec(), Extreme::Largest, of).unwrap();
+        set.keep_points(path, (region, WORLD), whole).unwrap();
+        let at = |x: f64, y: f64| [point(x), point(y)].concat();
+        let values = [at(-1.2, 1.2), at(-1.2, 1.8)].map(|x| values(&set, &x)[0]);
+        assert!(values[0] > 0.1 && values[1] < -0.2, "{of:?}: {values:?}");
+    }
+}
+
+#[test]
+fn unions_of_the_plane_hold_what_no_part_holds() {
+    unions_hold_what_no_part_holds::<2>();
+}
+
+#[test]
+fn unions_of_space_hold_what_no_part_holds() {
+    unions_hold_what_no_part_holds::<3>();
+}
+
+/// The hard ones have the gradient of the first field that has the value, and no Hessian; a field alone is itself.
+#[test]
+fn hard_combinations_have_gradients_alone() {
+    let mut random = SplitMix64::new(13);
+    let fields: Vec<_> = (0..3).map(|_| field::<3>(&mut random)).collect();
+    let hard = Aggregation { kind: Kind::Minimum, ..Aggregation::default() };
+    for extreme in [Extreme::Least, Extreme::Largest] {
+        let mut set = Constraints::<3>::new();
+        let points = set.add_points(20).unwrap();
+        let each = Aggregation { kind: Kind::None, ..hard };
+        set.keep_points(points, (Region::new(fields.clone(), extreme, hard).unwrap(), WORLD), each).unwrap();
+        for field in &fields {
+            set.keep_points(points, (field.clone(), WORLD), each).unwrap();
+        }
+        set.keep_points(points, (Region::new(fields[1..2].to_vec(), extreme, hard).unwrap(), WORLD), each).unwrap();
+        let x: Vec<f64> = (0..60).map(|_| random.between(-1.0, 1.0)).collect();
+        let (values, jacobian) = (values(&set, &x), dense(&set, &x));
+        for i in 0..20 {
+            let better = |f: usize, g: usize| match extreme {
+                Extreme::Least => values[f * 20 + i] < values[g * 20 + i],
+                Extreme::Largest => values[f * 20 + i] > values[g * 20 + i],
+            };
+            let one = (2..=3).fold(1, |one, f| if better(f, one) { f } else { one });
+            let row = |r: usize| &jacobian[(r * 20 + i) * 60..(r * 20 + i + 1) * 60];
+            assert_eq!((values[i], row(0)), (values[one * 20 + i], row(one)));
+            assert_eq!((values[80 + i], row(4)), (values[40 + i], row(2)));
+        }
+        let mut entries = vec![0.0; set.size().n_hessian];
+        let mut lambda = vec![1.0; 100];
+        let error = set.hessian(&x, &lambda, &mut entries).unwrap_err();
+        assert!(
+            matches!(&error, Error::Unsupported(text) if text.contains("value 0 are combined by a minimum")),
+            "{error}"
+        );
+        lambda[..20].fill(0.0);
+        set.hessian(&x, &lambda, &mut entries).unwrap();
+    }
+}
+
+#[test]
+fn bad_regions_are_refused() {
+    let mut random = SplitMix64::new(14);
+    let one = field::<2>(&mut random);
+    let text =
+        |n: usize, of: Aggregation| Region::new(vec![one.clone(); n], Extreme::Largest, of).unwrap_err().to_string();
+    let ks = Aggregation::default();
+    assert!(text(0, ks).contains("0 fields are given; from 1 to 256"));
+    assert!(text(257, ks).contains("257 fields"));
+    assert!(text(2, Aggregation { kind: Kind::None, ..ks }).contains("no combination"));
+    assert!(text(2, Aggregation { sharpness: 0.5, ..ks }).contains("sharpness is 0.5"));
+    // Where a sample is bad, it is named as in a field.
+    let mut set = Constraints::<2>::new();
+    let points = set.add_points(200).unwrap();
+    let region = Region::new(vec![one.clone(); 3], Extreme::Least, ks).unwrap();
+    set.keep_points(points, (region, WORLD), ks).unwrap();
+    let (mut x, mut value) = (vec![0.0; 400], [0.0]);
+    x[2 * 150] = 1e200;
+    let error = set.values(&x, &mut value).unwrap_err().to_string();
+    assert!(error.contains("samples of value 0") && error.contains("150"), "{error}");
+}
+
 /// More samples than a block has, on its faces and outside too: aggregates are those of the values one by one.
 fn aggregates_are_those_of_the_values<const D: usize>(seed: u64) {
     let mut random = SplitMix64::new(seed);

@@ -45,7 +45,7 @@ pub const fn packed<const D: usize>() -> usize {
 
 impl<'a, const D: usize> Outputs<'a, D> {
     /// The first `n` places, and the rest.
-    pub(super) fn split(self, n: usize) -> (Self, Self) {
+    pub(crate) fn split(self, n: usize) -> (Self, Self) {
         let (v, v_rest) = self.values.map(|s| s.split_at_mut(n)).unzip();
         let (g, g_rest) = self.gradients.map(|s| s.split_at_mut(n)).unzip();
         let (h, h_rest) = self.hessians.map(|s| s.split_at_mut(n * packed::<D>())).unzip();
