@@ -80,7 +80,7 @@ static void check_refined(const double *inside, const double *outside) {
     }
 }
 
-/* A body in a frame by each aggregate, alone and in a field that moves; points that are variables. */
+/* A body in a frame by each aggregate, alone and in a field that moves; points that are variables; both in several fields as one. */
 static void check_constraints(uint32_t dim) {
     enum { N_VALUES = 3 * 300 + 4 + 20 + 1, MOST = 12000 };
     static double jacobian[MOST], dense[N_VALUES * 60], entries[MOST];
@@ -97,6 +97,10 @@ static void check_constraints(uint32_t dim) {
         OK(ko_constraints_keep_body(set, body, frame, field, other, &aggregation, NULL));
         OK(ko_constraints_keep_points(set, path, field, kind % 2 == 0 ? KO_WORLD : frame, &aggregation, NULL));
     }
+    /* The union of three. */
+    const ko_field *fields[3] = {field, field, field};
+    OK(ko_constraints_keep_body_in_fields(set, body, frame, fields, 3, KO_LARGEST, NULL, other, NULL, NULL));
+    OK(ko_constraints_keep_points_in_fields(set, path, fields, 3, KO_LARGEST, NULL, KO_WORLD, NULL, NULL));
     size_t n = 0, m = 0, n_jacobian = 0, n_hessian = 0;
     OK(ko_constraints_get_size(set, &n, &m, &n_jacobian, &n_hessian));
     CHECK(n <= 60 && m <= N_VALUES && n_jacobian <= MOST && n_hessian <= MOST);

@@ -488,6 +488,108 @@ static void points_are_variables(uint32_t dim) {
     ko_field_free(field);
 }
 
+/* ---- set operations of fields ---- */
+
+/* Sample by sample phi is the aggregate of the fields' phi, in units of the largest D; all derivatives follow. */
+static void fields_are_combined(uint32_t dim) {
+    enum { N = 300, EACH = 8 };
+    const ko_field *fields[3] = {check_made_field(dim), dim == 2 ? check_circle_field(9) : check_sphere_field(9), NULL};
+    const uint32_t counts[3] = {8, 8, 8};
+    const double low[3] = {-1, -1, -1}, high[3] = {1, 1, 1};
+    double *control_points = check_points(512, 0.5, 11);
+    ko_field *third = NULL;
+    OK(ko_field_from_control_points(dim, counts, low, high, KO_FEASIBLE_OUTSIDE, 7.0, control_points, dim == 2 ? 64 : 512, &third));
+    fields[2] = third;
+    ko_body *body = check_body(dim, N, 4);
+    ko_aggregation each = check_aggregation(KO_AGGREGATE_NONE), ks = check_aggregation(KO_AGGREGATE_KS);
+    double points[3 * N], phi[3][N], *values = numbers(EACH * N);
+    OK(ko_body_copy_points(body, N, points));
+    for (int f = 0; f < 3; f++) {
+        OK(ko_field_eval(fields[f], points, N, phi[f], NULL, NULL));
+    }
+    for (int32_t extreme = KO_LEAST; extreme <= KO_LARGEST; extreme++) {
+        ko_constraints *set = NULL;
+        size_t first = 77;
+        OK(ko_constraints_create(dim, &set));
+        for (size_t k = 0; k < EACH; k++) {
+            ko_aggregation combination = check_aggregation(k < 6 ? smooth_kinds[k / 2] : KO_AGGREGATE_MINIMUM);
+            combination.side = k % 2;
+            OK(ko_constraints_keep_body_in_fields(set, body, KO_WORLD, fields, 3, extreme, &combination, KO_WORLD, &each, &first));
+            CHECK(first == k * N);
+        }
+        OK(ko_constraints_values(set, NULL, 0, EACH * N, values));
+        for (size_t k = 0; k < EACH; k++) {
+            ko_aggregation combination = check_aggregation(k < 6 ? smooth_kinds[k / 2] : KO_AGGREGATE_MINIMUM);
+            combination.side = k % 2;
+            for (size_t i = 0; i < N; i++) {
+                double at[3] = {phi[0][i], phi[1][i], phi[2][i]}, right = 0.0, value = values[k * N + i];
+                OK(ko_aggregate(&combination, extreme, 7.0, at, 3, &right, NULL, NULL));
+                CHECK_NEAR(value, right, 1e-13);
+                double end = extreme == KO_LEAST ? fmin(at[0], fmin(at[1], at[2])) : fmax(at[0], fmax(at[1], at[2]));
+                CHECK(k % 2 == 0 ? value <= end + 1e-13 : value >= end - 1e-13);
+                CHECK(k < 6 || value == end);
+            }
+        }
+        ko_constraints_free(set);
+
+        /* Of bodies and points that move, aggregated and not, in a frame that moves; NULL is KS, one field is itself. */
+        uint32_t frame = 0, other = 0, path = 0;
+        struct pose pose = make_pose(dim, dim == 3 ? KO_ROTATION_QUATERNION : KO_ROTATION_ANGLE, KO_SCALE_FREE, 3);
+        OK(ko_constraints_create(dim, &set));
+        OK(ko_constraints_add_frame(set, pose.rotation, pose.scale, &frame));
+        OK(ko_constraints_add_frame(set, KO_ROTATION_NONE, KO_SCALE_FREE, &other));
+        OK(ko_constraints_add_points(set, 4, &path));
+        for (int k = 0; k < 3; k++) {
+            ko_aggregation combination = check_aggregation(smooth_kinds[k]);
+            OK(ko_constraints_keep_body_in_fields(set, body, frame, fields, 3, extreme, &combination, other, &ks, NULL));
+            OK(ko_constraints_keep_points_in_fields(set, path, fields, 3, extreme, &combination, other, &each, NULL));
+            OK(ko_constraints_keep_points_in_fields(set, path, fields, 2, extreme, &combination, KO_WORLD, &ks, NULL));
+        }
+        OK(ko_constraints_keep_body_in_fields(set, body, frame, fields, 2, extreme, NULL, KO_WORLD, NULL, NULL));
+        OK(ko_constraints_keep_points_in_fields(set, path, fields, 1, extreme, NULL, KO_WORLD, &each, &first));
+        OK(ko_constraints_keep_points(set, path, fields[0], KO_WORLD, &each, NULL));
+        size_t n = 0, m = 0;
+        OK(ko_constraints_get_size(set, &n, &m, NULL, NULL));
+        CHECK(n == pose.n + dim + 1 + 4 * dim && m == first + 8 && m == 3 * 6 + 1 + 8);
+        double *x = check_points(n, 0.5, 8);
+        memcpy(x, pose.parameters, pose.n * sizeof *x);
+        x[pose.n + dim] = 0.9;
+        OK(ko_constraints_values(set, x, n, m, values));
+        CHECK(memcmp(values + first, values + first + 4, 4 * sizeof *values) == 0);
+        check_jacobian(set, x, 1e-6);
+        check_hessian(set, x, 1e-4);
+        free(x);
+        ko_constraints_free(set);
+    }
+    for (int f = 0; f < 3; f++) {
+        ko_field_free((ko_field *)fields[f]);
+    }
+    ko_body_free(body);
+    free(control_points);
+    free(values);
+}
+
+/* The least and the largest themselves have a Jacobian, and no Hessian. */
+static void hard_combinations_are_not_smooth(void) {
+    ko_field *field = check_made_field(3), *ball = check_sphere_field(8);
+    const ko_field *fields[2] = {field, ball};
+    ko_aggregation minimum = check_aggregation(KO_AGGREGATE_MINIMUM);
+    ko_constraints *set = NULL;
+    uint32_t path = 0;
+    OK(ko_constraints_create(3, &set));
+    OK(ko_constraints_add_points(set, 2, &path));
+    OK(ko_constraints_keep_points_in_fields(set, path, fields, 2, KO_LARGEST, &minimum, KO_WORLD, NULL, NULL));
+    double x[6] = {0.1, 0.2, 0.3, 0.9, 0.8, 0.7}, lambda = 1.0, hessian[21];
+    check_jacobian(set, x, 1e-6);
+    FAILS(ko_constraints_hessian(set, x, 6, &lambda, 1, 21, hessian), KO_ERR_UNSUPPORTED,
+          "the fields of value 0 are combined by a minimum");
+    lambda = 0.0;
+    OK(ko_constraints_hessian(set, x, 6, &lambda, 1, 21, hessian));
+    ko_constraints_free(set);
+    ko_field_free(field);
+    ko_field_free(ball);
+}
+
 /* A path of single points has a small block a point, and no more. */
 static void single_points_are_sparse(void) {
     enum { N = 1000 };
@@ -592,9 +694,11 @@ int main(void) {
         frames_move_as_they_say(dim);
         samples_are_aggregated(dim);
         points_are_variables(dim);
+        fields_are_combined(dim);
         handles_may_go_first(dim);
         empty_sets_are_served(dim);
     }
+    hard_combinations_are_not_smooth();
     single_points_are_sparse();
     far_points_are_served();
     return check_result();

@@ -215,6 +215,55 @@ static void what_cannot_be_added_is_refused(void) {
     ko_constraints_free(plane);
 }
 
+/* Fields that cannot be combined, of a `set` in space that has this frame and these points. */
+static void sets_that_are_none_are_refused(ko_constraints *set, const ko_body *body, uint32_t frame, uint32_t points,
+                                           const ko_field *field, const ko_field *flat_field, const ko_body *flat_body) {
+    const ko_field *fields[257], *with_null[2] = {field, NULL}, *with_flat[2] = {field, flat_field};
+    for (int f = 0; f < 257; f++) {
+        fields[f] = field;
+    }
+    ko_aggregation each = check_aggregation(KO_AGGREGATE_NONE), bad = check_aggregation(KO_AGGREGATE_KS);
+    bad.sharpness = 0.0;
+    size_t first = 77;
+#define FIELDS_FAIL(set, fields, n, extreme, combination, field_frame, aggregation, words)                               \
+    FAILS(ko_constraints_keep_body_in_fields((set), body, frame, (fields), (n), (extreme), (combination), (field_frame), \
+                                             (aggregation), &first),                                                     \
+          KO_ERR_INVALID_ARGUMENT, (words));                                                                             \
+    FAILS(ko_constraints_keep_points_in_fields((set), points, (fields), (n), (extreme), (combination), (field_frame),    \
+                                               (aggregation), &first),                                                   \
+          KO_ERR_INVALID_ARGUMENT, (words))
+    FIELDS_FAIL(NULL, fields, 2, KO_LEAST, NULL, KO_WORLD, NULL, "constraints is NULL");
+    FIELDS_FAIL(set, NULL, 2, KO_LEAST, NULL, KO_WORLD, NULL, "fields is NULL");
+    FIELDS_FAIL(set, MISALIGNED(fields), 2, KO_LEAST, NULL, KO_WORLD, NULL, "fields is at");
+    FIELDS_FAIL(set, fields, 0, KO_LEAST, NULL, KO_WORLD, NULL, "0 fields are given; from 1 to 256 can be combined");
+    FIELDS_FAIL(set, NULL, 0, KO_LEAST, NULL, KO_WORLD, NULL, "0 fields are given");
+    FIELDS_FAIL(set, fields, 257, KO_LEAST, NULL, KO_WORLD, NULL, "257 fields are given");
+    FIELDS_FAIL(set, fields, SIZE_MAX, KO_LEAST, NULL, KO_WORLD, NULL, "fields are given");
+    FIELDS_FAIL(set, with_null, 2, KO_LEAST, NULL, KO_WORLD, NULL, "field 1 of fields is NULL");
+    FIELDS_FAIL(set, with_flat, 2, KO_LEAST, NULL, KO_WORLD, NULL,
+                "the constraints dim 3, field 1 of fields dim 2; they must be the same");
+    FIELDS_FAIL(set, fields, 2, 2, NULL, KO_WORLD, NULL, "extreme is 2; it must be KO_LEAST (0) or KO_LARGEST (1)");
+    FIELDS_FAIL(set, fields, 2, KO_LARGEST, &each, KO_WORLD, NULL, "no combination is asked for");
+    FIELDS_FAIL(set, fields, 2, KO_LARGEST, &bad, KO_WORLD, NULL, "combination of the fields: sharpness is 0");
+    FIELDS_FAIL(set, fields, 2, KO_LARGEST, NULL, 2, NULL, "there is no frame 2");
+    FIELDS_FAIL(set, fields, 2, KO_LARGEST, NULL, KO_WORLD, &bad, "sharpness is 0");
+#undef FIELDS_FAIL
+#define BODY_FAILS(body, frame, field_frame, first, words)                                                               \
+    FAILS(ko_constraints_keep_body_in_fields(set, (body), (frame), fields, 2, KO_LEAST, NULL, (field_frame), NULL, (first)), \
+          KO_ERR_INVALID_ARGUMENT, (words))
+    BODY_FAILS(NULL, frame, KO_WORLD, &first, "body is NULL");
+    BODY_FAILS(flat_body, frame, KO_WORLD, &first, "the constraints dim 3, the body dim 2; they must be the same");
+    BODY_FAILS(body, 2, KO_WORLD, &first, "there is no frame 2");
+    BODY_FAILS(body, frame, frame, &first, "samples and field both move with frame 1");
+    BODY_FAILS(body, frame, KO_WORLD, MISALIGNED(&first), "first_value is at");
+#undef BODY_FAILS
+    FAILS(ko_constraints_keep_points_in_fields(set, 1, fields, 2, KO_LEAST, NULL, KO_WORLD, NULL, &first), KO_ERR_INVALID_ARGUMENT,
+          "there is no set of points 1");
+    FAILS(ko_constraints_keep_points_in_fields(set, points, fields, 2, KO_LEAST, NULL, KO_WORLD, NULL, MISALIGNED(&first)),
+          KO_ERR_INVALID_ARGUMENT, "first_value is at");
+    CHECK(first == 77);
+}
+
 static void what_cannot_be_kept_is_refused(void) {
     ko_constraints *set = NULL, *plane = NULL;
     ko_body *body = check_body(3, 4, 1), *flat_body = check_body(2, 4, 1);
@@ -258,6 +307,7 @@ static void what_cannot_be_kept_is_refused(void) {
 #undef KEPT_FAILS
     FAILS(ko_constraints_keep_points(set, points, field, KO_WORLD, NULL, MISALIGNED(&first)), KO_ERR_INVALID_ARGUMENT,
           "first_value is at");
+    sets_that_are_none_are_refused(set, body, frame, points, field, flat_field, flat_body);
     /* What failed left nothing behind. */
     size_t n = 77, m = 77, n_jacobian = 77, n_hessian = 77;
     OK(ko_constraints_get_size(set, &n, &m, &n_jacobian, &n_hessian));

@@ -516,6 +516,27 @@ static keepout::Constraints make_constraints() {
     return set;
 }
 
+/// A body and a path in two fields: their union lies about the larger phi, their intersection about the least.
+static void fields_are_combined() {
+    const keepout::Field one(check_made_field(3)), other(check_sphere_field(8));
+    const std::vector<double> point{0.3, 0.2, 0.1};
+    keepout::Constraints set = keepout::Constraints::create();
+    const std::uint32_t path = set.add_points(1);
+    keepout::Aggregation hard;
+    hard.kind = KO_AGGREGATE_MINIMUM;
+    const keepout::Body body = keepout::Body::from_points(point);
+    CHECK(set.keep_points_in_fields(path, {one, other}, KO_LARGEST, hard) == 0);
+    CHECK(set.keep_points_in_fields(path, {one, other}, KO_LEAST) == 1);
+    CHECK(set.keep_body_in_fields(body, KO_WORLD, {one, other}, KO_LEAST, hard) == 2);
+    const std::vector<double> values = set.values(point);
+    const double phi[2] = {one.eval(point).values[0], other.eval(point).values[0]};
+    CHECK_NEAR(values[0], std::max(phi[0], phi[1]), 1e-14);
+    CHECK(values[1] <= std::min(phi[0], phi[1]) && values[1] > std::min(phi[0], phi[1]) - 0.01);
+    CHECK_NEAR(values[2], std::min(phi[0], phi[1]), 1e-14);
+    THROWS(set.keep_body_in_fields(body, KO_WORLD, {}, KO_LEAST), KO_ERR_INVALID_ARGUMENT, "0 fields are given");
+    THROWS(set.keep_points_in_fields(path, {one}, 2), KO_ERR_INVALID_ARGUMENT, "extreme is 2");
+}
+
 static void constraints_are_differentiated() {
     const keepout::Constraints set = make_constraints();
     const keepout::Constraints::Size size = set.size();
@@ -672,6 +693,7 @@ int main() {
     clouds_are_not_trusted_alike();
     numbers_are_aggregated();
     bodies_are_points();
+    fields_are_combined();
     constraints_are_differentiated();
     constraints_are_checked();
     values_have_derivatives_by_the_cloud();

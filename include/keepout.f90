@@ -806,6 +806,37 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
+    function ko_constraints_keep_body_in_fields(constraints, body, frame, fields, n_fields, extreme, combination, &
+      field_frame, aggregation, first_value) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      type(c_ptr), value :: body
+      integer(c_int32_t), value :: frame
+      type(c_ptr), intent(in) :: fields(*)
+      integer(c_size_t), value :: n_fields
+      integer(c_int32_t), value :: extreme
+      type(ko_aggregation), intent(in) :: combination
+      integer(c_int32_t), value :: field_frame
+      type(ko_aggregation), intent(in) :: aggregation
+      integer(c_size_t), intent(inout) :: first_value
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_constraints_keep_points_in_fields(constraints, points, fields, n_fields, extreme, combination, &
+      field_frame, aggregation, first_value) bind(c) result(status)
+      import
+      type(c_ptr), value :: constraints
+      integer(c_int32_t), value :: points
+      type(c_ptr), intent(in) :: fields(*)
+      integer(c_size_t), value :: n_fields
+      integer(c_int32_t), value :: extreme
+      type(ko_aggregation), intent(in) :: combination
+      integer(c_int32_t), value :: field_frame
+      type(ko_aggregation), intent(in) :: aggregation
+      integer(c_size_t), intent(inout) :: first_value
+      integer(c_int32_t) :: status
+    end function
+
     function ko_constraints_get_size(constraints, n_variables, n_values, n_jacobian, n_hessian) bind(c) result(status)
       import
       type(c_ptr), value :: constraints
@@ -1174,6 +1205,8 @@ module keepout
     procedure :: add_points => constraints_add_points
     procedure :: keep_body => constraints_keep_body
     procedure :: keep_points => constraints_keep_points
+    procedure :: keep_body_in_fields => constraints_keep_body_in_fields
+    procedure :: keep_points_in_fields => constraints_keep_points_in_fields
     procedure :: get_size => constraints_get_size
     procedure :: frame_variables => constraints_frame_variables
     procedure :: points_variables => constraints_points_variables
@@ -1254,7 +1287,7 @@ module keepout
   private :: constraints_points_variables, constraints_values, constraints_jacobian_pattern, constraints_jacobian
   private :: constraints_values_and_jacobian, constraints_dense_jacobian, constraints_jacobian_times
   private :: constraints_transposed_jacobian_times, constraints_hessian_pattern, constraints_hessian, constraints_c_handle
-  private :: constraints_assign, constraints_final
+  private :: constraints_assign, constraints_final, constraints_keep_body_in_fields, constraints_keep_points_in_fields
   private :: explicit_create, explicit_free, explicit_dim, explicit_smoothing, explicit_eval, explicit_c_handle, explicit_assign
   private :: explicit_final, cloud_follow, cloud_pull_back, sensitivity_create, sensitivity_free, sensitivity_solve
   private :: sensitivity_c_handle, sensitivity_assign, sensitivity_final
@@ -2233,6 +2266,67 @@ contains
     plain = keepout_aggregation()
     if (present(aggregation)) plain = aggregation
     status = ko_constraints_keep_points(self%handle, points, field%handle, field_frame, plain, first)
+    if (status >= KO_OK .and. present(first_value)) first_value = first
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Keeps `body` in `frame` in the union, KO_LARGEST, or the intersection, KO_LEAST, of the feasible sets of `fields`, all in
+  ! `field_frame`, whose phi become one by `combination`; `first_value` is the number of its first value. Without a combination or an
+  ! aggregation: KS. Body and fields may go.
+  subroutine constraints_keep_body_in_fields(self, body, frame, fields, extreme, field_frame, combination, aggregation, &
+    first_value, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    type(keepout_body), intent(in) :: body
+    integer(c_int32_t), intent(in) :: frame
+    type(keepout_field), intent(in) :: fields(:)
+    integer(c_int32_t), intent(in) :: extreme, field_frame
+    type(ko_aggregation), intent(in), optional :: combination, aggregation
+    integer(c_size_t), intent(inout), optional :: first_value
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_aggregation) :: of_fields, of_samples
+    type(c_ptr) :: handles(size(fields))
+    integer(c_size_t) :: first
+    integer(c_int32_t) :: status
+    integer :: f
+    of_fields = keepout_aggregation()
+    if (present(combination)) of_fields = combination
+    of_samples = keepout_aggregation()
+    if (present(aggregation)) of_samples = aggregation
+    do f = 1, size(fields)
+      handles(f) = fields(f)%handle
+    end do
+    status = ko_constraints_keep_body_in_fields(self%handle, body%handle, frame, handles, size(handles, 1, c_size_t), extreme, &
+      of_fields, field_frame, of_samples, first)
+    if (status >= KO_OK .and. present(first_value)) first_value = first
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The same of points that are variables, by their number.
+  subroutine constraints_keep_points_in_fields(self, points, fields, extreme, field_frame, combination, aggregation, &
+    first_value, stat, errmsg)
+    class(keepout_constraints), intent(inout) :: self
+    integer(c_int32_t), intent(in) :: points
+    type(keepout_field), intent(in) :: fields(:)
+    integer(c_int32_t), intent(in) :: extreme, field_frame
+    type(ko_aggregation), intent(in), optional :: combination, aggregation
+    integer(c_size_t), intent(inout), optional :: first_value
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_aggregation) :: of_fields, of_samples
+    type(c_ptr) :: handles(size(fields))
+    integer(c_size_t) :: first
+    integer(c_int32_t) :: status
+    integer :: f
+    of_fields = keepout_aggregation()
+    if (present(combination)) of_fields = combination
+    of_samples = keepout_aggregation()
+    if (present(aggregation)) of_samples = aggregation
+    do f = 1, size(fields)
+      handles(f) = fields(f)%handle
+    end do
+    status = ko_constraints_keep_points_in_fields(self%handle, points, handles, size(handles, 1, c_size_t), extreme, &
+      of_fields, field_frame, of_samples, first)
     if (status >= KO_OK .and. present(first_value)) first_value = first
     call settle(status, stat, errmsg)
   end subroutine

@@ -1787,6 +1787,47 @@ int32_t ko_constraints_keep_points(struct ko_constraints *constraints,
                                    size_t *first_value);
 
 /**
+ * Requires that `body` in `frame` lies in the union or the intersection of the feasible sets of `fields` [n_fields], all in `field_frame`:
+ * as `ko_constraints_keep_body`, phi of a sample being that of the fields there, combined.
+ *
+ * `extreme` is KO_LARGEST, for the union: each sample in one of two tanks, say, and a body across both; or KO_LEAST, for the intersection:
+ * outside several obstacles, as one value. `combination` tells how the fields' phi become one, sample by sample, NULL: KS; with KO_BELOW
+ * it lies below the largest or the least of them, the safe side of both, and by KS at most D ln(n_fields) / rho below: the neck of a union
+ * is that much narrower. `aggregation` is over the samples, and works on what `combination` gives. D of both is the largest of the fields'.
+ * phi of all fields must be in one unit of length. With KO_AGGREGATE_MINIMUM as `combination` phi is the least or largest itself, with the
+ * gradient of the first field that has it: not smooth, no Hessian. One field is as `ko_constraints_keep_body` has it.
+ * Errors: those of `ko_constraints_keep_body`; KO_ERR_INVALID_ARGUMENT for no fields or more than 256, for NULL and for another dimension
+ * among them, naming the first, for another `extreme`, for KO_AGGREGATE_NONE as `combination`. Threads: needs `constraints` alone. Cost:
+ * none; evaluated, a sample costs what it costs in each field, and two exponentials a field.
+ */
+int32_t ko_constraints_keep_body_in_fields(struct ko_constraints *constraints,
+                                           const struct ko_body *body,
+                                           uint32_t frame,
+                                           const struct ko_field *const *fields,
+                                           size_t n_fields,
+                                           int32_t extreme,
+                                           const struct ko_aggregation *combination,
+                                           uint32_t field_frame,
+                                           const struct ko_aggregation *aggregation,
+                                           size_t *first_value);
+
+/**
+ * Requires that the points with number `points` lie in the union or the intersection of the feasible sets of `fields` [n_fields], all in
+ * `field_frame`: as `ko_constraints_keep_body_in_fields`, and in the Hessian as `ko_constraints_keep_points`.
+ *
+ * Errors, threads and cost: as of these two.
+ */
+int32_t ko_constraints_keep_points_in_fields(struct ko_constraints *constraints,
+                                             uint32_t points,
+                                             const struct ko_field *const *fields,
+                                             size_t n_fields,
+                                             int32_t extreme,
+                                             const struct ko_aggregation *combination,
+                                             uint32_t field_frame,
+                                             const struct ko_aggregation *aggregation,
+                                             size_t *first_value);
+
+/**
  * Tells how many variables and values there are, and entries of the Jacobian's pattern and of the Hessian's; each may be NULL.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT for NULL constraints. Threads: any. Cost: none.

@@ -930,6 +930,32 @@ public:
         return first;
     }
 
+    /// Fields in one frame and one unit of length, by reference: {tank, other}.
+    using Fields = std::vector<std::reference_wrapper<const Field>>;
+
+    /// Keeps `body` in `frame` in the union, KO_LARGEST, or the intersection, KO_LEAST, of the feasible sets of `fields`, whose phi become
+    /// one by `combination`: the number of the first value. Body and fields may go.
+    std::size_t keep_body_in_fields(const Body &body, std::uint32_t frame, const Fields &fields, std::int32_t extreme,
+                                    const Aggregation &combination = {}, std::uint32_t field_frame = KO_WORLD,
+                                    const Aggregation &aggregation = {}) {
+        std::size_t first = 0;
+        const std::vector<const ko_field *> handles = handles_of(fields);
+        detail::check(ko_constraints_keep_body_in_fields(get(), body.get(), frame, handles.data(), handles.size(), extreme,
+                                                         &combination, field_frame, &aggregation, &first));
+        return first;
+    }
+
+    /// The same of points that are variables, by their number.
+    std::size_t keep_points_in_fields(std::uint32_t points, const Fields &fields, std::int32_t extreme,
+                                      const Aggregation &combination = {}, std::uint32_t field_frame = KO_WORLD,
+                                      const Aggregation &aggregation = {}) {
+        std::size_t first = 0;
+        const std::vector<const ko_field *> handles = handles_of(fields);
+        detail::check(ko_constraints_keep_points_in_fields(get(), points, handles.data(), handles.size(), extreme, &combination,
+                                                           field_frame, &aggregation, &first));
+        return first;
+    }
+
     struct Size {
         std::size_t n_variables;
         std::size_t n_values;
@@ -1067,6 +1093,12 @@ public:
     ko_constraints *get() noexcept { return handle_.get(); }
 
 private:
+    static std::vector<const ko_field *> handles_of(const Fields &fields) {
+        std::vector<const ko_field *> handles;
+        for (const Field &field : fields) handles.push_back(field.get());
+        return handles;
+    }
+
     detail::Handle<ko_constraints, ko_constraints_free> handle_;
 };
 

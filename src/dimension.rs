@@ -17,6 +17,22 @@ impl<P, S> OfDimension<P, S> {
             OfDimension::Space(_) => 3,
         }
     }
+
+    /// That of the plane; none in space.
+    pub fn plane(&self) -> Option<&P> {
+        match self {
+            OfDimension::Plane(thing) => Some(thing),
+            OfDimension::Space(_) => None,
+        }
+    }
+
+    /// That of space; none in the plane.
+    pub fn space(&self) -> Option<&S> {
+        match self {
+            OfDimension::Plane(_) => None,
+            OfDimension::Space(thing) => Some(thing),
+        }
+    }
 }
 
 /// Does the same with what is in an [`OfDimension`], in whichever dimension it is.

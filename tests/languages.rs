@@ -166,6 +166,11 @@ fn fortran_functions() -> BTreeMap<String, Function> {
 fn fortran_argument(c: &str) -> Vec<String> {
     let address = "type(c_ptr), value".to_owned();
     let plain = c.trim_start_matches("const ");
+    // Handles that are read.
+    if let Some(target) = plain.strip_suffix("*const *") {
+        assert!(is_handle(target.trim()), "{c} is an array of pointers, but of no handles");
+        return vec!["type(c_ptr), intent(in) (*)".into()];
+    }
     if let Some(target) = plain.strip_suffix("**") {
         assert!(is_handle(target.trim()), "{c} is an output, but no handle");
         return vec!["type(c_ptr), intent(out)".into()];
@@ -300,7 +305,7 @@ fn python_argument(c: &str) -> Vec<String> {
 }
 
 fn python_type(c: &str) -> String {
-    let plain = c.trim_start_matches("const ").trim();
+    let plain = c.trim_start_matches("const ").trim_end_matches("const").trim();
     match plain {
         "char *" => "c_char_p".into(),
         "void *" => "c_void_p".into(),

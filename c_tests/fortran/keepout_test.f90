@@ -52,6 +52,7 @@ program keepout_test
   call clouds_are_not_trusted_alike()
   call numbers_are_aggregated()
   call bodies_are_points()
+  call fields_are_combined()
   call constraints_are_differentiated()
   call constraints_are_checked()
   call values_have_derivatives_by_the_cloud()
@@ -691,6 +692,59 @@ contains
     call set%keep_body(body, KO_WORLD, field, frame, each, first)
     call equal(first, 5_c_size_t, "a field that moves")
     call set%keep_points(path, field, KO_WORLD)
+  end subroutine
+
+  ! A ball of control points, positive outside or inside.
+  subroutine ball(field, center, inside)
+    type(keepout_field), intent(inout) :: field
+    real(c_double), intent(in) :: center(2)
+    logical, intent(in) :: inside
+    real(c_double) :: control_points(64)
+    integer :: i, j
+    control_points = [((norm2((real([i, j], c_double) - 3.5_c_double) / 2.5_c_double - center) - 0.6_c_double, j=0, 7), i=0, 7)]
+    if (inside) control_points = -control_points
+    call field%from_control_points([8, 8], spread(-1.0_c_double, 1, 2), spread(1.0_c_double, 1, 2), KO_FEASIBLE_OUTSIDE, &
+      2.5_c_double, control_points)
+  end subroutine
+
+  ! A body and a path in the union of two balls, and in their intersection.
+  subroutine fields_are_combined()
+    type(keepout_constraints) :: set
+    type(keepout_field) :: tanks(2)
+    type(keepout_body) :: body
+    type(ko_aggregation) :: hard, each
+    real(c_double) :: points(2, 3), phi(3, 2), values(8)
+    integer(c_int32_t) :: path, stat
+    integer(c_size_t) :: first
+    character(len=200) :: errmsg
+    points = reshape([-0.8_c_double, 0.0_c_double, 0.0_c_double, 0.1_c_double, 0.8_c_double, -0.1_c_double], [2, 3])
+    call ball(tanks(1), [-0.5_c_double, 0.0_c_double], .true.)
+    call ball(tanks(2), [0.5_c_double, 0.0_c_double], .true.)
+    call tanks(1)%eval(points, phi(:, 1))
+    call tanks(2)%eval(points, phi(:, 2))
+    hard = keepout_aggregation()
+    hard%kind = KO_AGGREGATE_MINIMUM
+    each = keepout_aggregation()
+    each%kind = KO_AGGREGATE_NONE
+    call set%create(2)
+    call set%add_points(3, path)
+    call body%from_points(points, 0.0_c_double)
+    call set%keep_points_in_fields(path, tanks, KO_LARGEST, KO_WORLD, hard, each, first)
+    call equal(first, 0_c_size_t, "constraints%keep_points_in_fields")
+    call set%keep_body_in_fields(body, KO_WORLD, tanks, KO_LEAST, KO_WORLD, hard, each, first)
+    call equal(first, 3_c_size_t, "constraints%keep_body_in_fields")
+    call set%keep_body_in_fields(body, KO_WORLD, tanks, KO_LARGEST, KO_WORLD)
+    call set%keep_points_in_fields(path, tanks, KO_LEAST, KO_WORLD)
+    call set%values(reshape(points, [6]), values)
+    call near(maxval(abs(values(1:3) - maxval(phi, 2))), 0.0_c_double, 1e-14_c_double, "a union")
+    call near(maxval(abs(values(4:6) - minval(phi, 2))), 0.0_c_double, 1e-14_c_double, "an intersection")
+    call holds(values(7) > 0 .and. values(7) <= minval(values(1:3)), "a body in a union, by KS")
+    call holds(values(8) < 0 .and. values(8) <= minval(phi), "a path in an intersection, by KS")
+    call set%keep_points_in_fields(path, tanks(:0), KO_LEAST, KO_WORLD, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "0 fields are given")
+    call tanks(2)%free()
+    call set%keep_body_in_fields(body, KO_WORLD, tanks, KO_LEAST, KO_WORLD, stat=stat, errmsg=errmsg)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "field 1 of fields is NULL")
   end subroutine
 
   subroutine constraints_are_differentiated()

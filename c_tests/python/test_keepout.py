@@ -468,6 +468,42 @@ class Bounding(TestCase):
         np.testing.assert_array_equal(constraints.values(x), values)
         self.check_derivatives(constraints, x)
 
+    def test_constraints_in_sets_of_fields(self):
+        random = np.random.default_rng(7)
+        body, box = Body.from_points(random.uniform(-0.4, 0.4, (30, 2))), np.ones(2)
+        fields = made_field(2), Field.from_control_points(random.uniform(-0.5, 0.5, (9, 8)), -box, box, 3.0)
+        each, hard = Aggregation(kind=Aggregate.NONE), Aggregation(kind=Aggregate.MINIMUM)
+        smooth, points = Aggregation(sharpness=20), body.points()
+        constraints = Constraints.create(2)
+        moving, path = constraints.add_frame(Rotation.ANGLE), constraints.add_points(3)
+        Extreme, keep_body = keepout.Extreme, constraints.keep_body_in_fields
+        keep_points = constraints.keep_points_in_fields
+        self.assertEqual(keep_body(body, moving, fields, Extreme.LARGEST, smooth, aggregation=each), 0)
+        self.assertEqual(keep_body(body, moving, fields, Extreme.LEAST, smooth, keepout.WORLD, smooth), 30)
+        self.assertEqual(keep_points(path, fields, Extreme.LEAST, smooth, moving, each), 31)
+        self.assertEqual(keep_points(path, list(fields[:1]), Extreme.LARGEST), 34)
+        x = np.array([0.1, -0.2, 0.7, 0.3, 0.1, -0.2, 0.2, 0.4, -0.3])
+        turn = np.array([[np.cos(0.7), -np.sin(0.7)], [np.sin(0.7), np.cos(0.7)]])
+        values, world = constraints.values(x), points @ turn.T + x[:2]
+        largest = np.maximum(*(field(world) for field in fields))
+        self.assertTrue((values[:30] <= largest + 1e-13).all() and (values[:30] > largest - 3.0 * np.log(2) / 20 - 1e-13).all())
+        self.assertLess(values[30], min(field(world).min() for field in fields) + 1e-13)
+        self.check_derivatives(constraints, x)
+        keep_body(body, keepout.WORLD, fields, Extreme.LARGEST, hard, aggregation=each)
+        largest = np.maximum(*(field(points) for field in fields))
+        np.testing.assert_allclose(constraints.values(x)[35:], largest, atol=1e-13)
+        with self.fails(Status.INVALID_ARGUMENT, "0 fields are given"):
+            keep_points(path, [], Extreme.LEAST)
+        with self.fails(Status.INVALID_ARGUMENT, "field 1 of fields dim 3"):
+            keep_body(body, moving, [fields[0], made_field(3)], Extreme.LEAST)
+        with self.fails(Status.INVALID_ARGUMENT, "no combination"):
+            keep_body(body, moving, fields, Extreme.LEAST, each)
+        with self.assertRaises(TypeError):
+            keep_points(path, [body], Extreme.LEAST)
+        fields[1].close()
+        with self.fails(Status.INVALID_ARGUMENT, "field 1 of fields is NULL"):
+            keep_points(path, fields, Extreme.LEAST)
+
     def test_constraints_are_written_to_the_caller_s_arrays(self):
         field, constraints = made_field(2), Constraints.create(2)
         keep = (field, keepout.WORLD, Aggregation(kind=Aggregate.NONE))

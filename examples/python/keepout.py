@@ -623,6 +623,33 @@ _constraints_keep_points = _bind(
     POINTER(ko_aggregation),
     POINTER(c_size_t),
 )
+_constraints_keep_body_in_fields = _bind(
+    "ko_constraints_keep_body_in_fields",
+    c_int32,
+    _constraints,
+    _body,
+    c_uint32,
+    POINTER(_field),
+    c_size_t,
+    c_int32,
+    POINTER(ko_aggregation),
+    c_uint32,
+    POINTER(ko_aggregation),
+    POINTER(c_size_t),
+)
+_constraints_keep_points_in_fields = _bind(
+    "ko_constraints_keep_points_in_fields",
+    c_int32,
+    _constraints,
+    c_uint32,
+    POINTER(_field),
+    c_size_t,
+    c_int32,
+    POINTER(ko_aggregation),
+    c_uint32,
+    POINTER(ko_aggregation),
+    POINTER(c_size_t),
+)
 _constraints_get_size = _bind(
     "ko_constraints_get_size",
     c_int32,
@@ -947,6 +974,14 @@ class ExplicitOptions(_Options, ko_explicit_options):
 def _plain(aggregation: Optional[Aggregation]) -> Any:
     """NULL, which is KS, for none."""
     return None if aggregation is None else ctypes.byref(aggregation)
+
+
+def _handles(fields: Sequence[Field]) -> Any:
+    """The handles of `fields` as an array, and how many there are."""
+    for field in fields:
+        if not isinstance(field, Field):
+            raise TypeError(f"fields holds {field!r}; each must be a Field")
+    return (_field * len(fields))(*(field._as_parameter_ for field in fields)), len(fields)
 
 
 class _Listener:
@@ -1659,6 +1694,44 @@ class Constraints(_Handle):
         other = (field, numbers[1])
         self._sizes = None
         _check(_constraints_keep_points(self, numbers[0], *other, _plain(aggregation), ctypes.byref(first)))
+        return first.value
+
+    def keep_body_in_fields(
+        self,
+        body: Body,
+        frame: int,
+        fields: Sequence[Field],
+        extreme: Extreme,
+        combination: Optional[Aggregation] = None,
+        field_frame: int = WORLD,
+        aggregation: Optional[Aggregation] = None,
+    ) -> int:
+        """Keeps `body` in `frame` in the union, Extreme.LARGEST, or the intersection, LEAST, of the feasible sets of `fields`.
+
+        Their phi become one by `combination`, sample by sample. All are in `field_frame`. The number of the first value.
+        """
+        first, frames = c_size_t(), (_small("frame", frame), _small("field_frame", field_frame))
+        combined = (*_handles(fields), _choice("extreme", extreme), _plain(combination))
+        whole = (frames[1], _plain(aggregation), ctypes.byref(first))
+        self._sizes = None
+        _check(_constraints_keep_body_in_fields(self, body, frames[0], *combined, *whole))
+        return first.value
+
+    def keep_points_in_fields(
+        self,
+        points: int,
+        fields: Sequence[Field],
+        extreme: Extreme,
+        combination: Optional[Aggregation] = None,
+        field_frame: int = WORLD,
+        aggregation: Optional[Aggregation] = None,
+    ) -> int:
+        """The same of points that are variables."""
+        first, numbers = c_size_t(), (_small("points", points), _small("field_frame", field_frame))
+        combined = (*_handles(fields), _choice("extreme", extreme), _plain(combination))
+        whole = (numbers[1], _plain(aggregation), ctypes.byref(first))
+        self._sizes = None
+        _check(_constraints_keep_points_in_fields(self, numbers[0], *combined, *whole))
         return first.value
 
     def size(self) -> Size:

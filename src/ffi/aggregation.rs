@@ -99,6 +99,15 @@ impl ko_aggregation {
     }
 }
 
+/// The end of the values that a constant names.
+pub(super) fn extreme_of(extreme: i32) -> Result<Extreme> {
+    match extreme {
+        KO_LEAST => Ok(Extreme::Least),
+        KO_LARGEST => Ok(Extreme::Largest),
+        other => Err(Error::InvalidArgument(format!("extreme is {other}; it must be KO_LEAST (0) or KO_LARGEST (1)"))),
+    }
+}
+
 /// Aggregates `values` [n_values], of fields or the caller's own constraints, to `*value`, with `gradient` [n_values], its derivatives by
 /// the values, and `hessian` [n_values * (n_values + 1) / 2], the lower triangle of the second ones, row by row; each may be NULL.
 ///
@@ -123,15 +132,7 @@ pub unsafe extern "C" fn ko_aggregate(
         let aggregation = unsafe { ko_aggregation::read(aggregation) }?;
         // SAFETY: the header asks for an array of this length.
         let values = unsafe { array(values, n_values, "values") }?;
-        let extreme = match extreme {
-            KO_LEAST => Extreme::Least,
-            KO_LARGEST => Extreme::Largest,
-            other => {
-                return Err(Error::InvalidArgument(format!(
-                    "extreme is {other}; it must be KO_LEAST (0) or KO_LARGEST (1)"
-                )));
-            }
-        };
+        let extreme = extreme_of(extreme)?;
         check_wanted_place(value, "value")?;
         let n_hessian = n_values.saturating_add(1).saturating_mul(n_values) / 2;
         // SAFETY: the header asks for NULL or arrays of these lengths.

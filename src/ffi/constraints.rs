@@ -1,14 +1,16 @@
 //! `ko_constraints`.
 
-use super::aggregation::ko_aggregation;
+use super::aggregation::{extreme_of, ko_aggregation};
 use super::body::ko_body;
 use super::field::ko_field;
 use super::guard::{guard, guard_free};
 use super::mesh::check_count;
 use super::pointer::{array, array_mut, check_wanted_place, create, free, object, place};
-use crate::constraint::{Constraints, FrameId, PointsId, PoseKind, Rotation, Scale};
+use crate::constraint::{Aggregation, Constraints, Extreme, FrameId, PointsId, PoseKind, Region, Rotation, Scale};
 use crate::dimension::{OfDimension, in_its_dimension};
+use crate::field::Field;
 use crate::{Error, Result};
+use std::sync::Arc;
 
 /// A frame that is not turned: no parameter.
 pub const KO_ROTATION_NONE: i32 = 0;
@@ -198,6 +200,95 @@ pub unsafe extern "C" fn ko_constraints_keep_points(
                 set.keep_points(points, (field.clone(), frame), aggregation)?
             }
             (set, field) => return Err(differ(&[("the constraints", set.dim()), ("the field", field.dim())])),
+        };
+        // SAFETY: the header asks for NULL or a place to write.
+        unsafe { tell(first_value, value) }
+    })
+}
+
+/// Requires that `body` in `frame` lies in the union or the intersection of the feasible sets of `fields` [n_fields], all in `field_frame`:
+/// as `ko_constraints_keep_body`, phi of a sample being that of the fields there, combined.
+///
+/// `extreme` is KO_LARGEST, for the union: each sample in one of two tanks, say, and a body across both; or KO_LEAST, for the intersection:
+/// outside several obstacles, as one value. `combination` tells how the fields' phi become one, sample by sample, NULL: KS; with KO_BELOW
+/// it lies below the largest or the least of them, the safe side of both, and by KS at most D ln(n_fields) / rho below: the neck of a union
+/// is that much narrower. `aggregation` is over the samples, and works on what `combination` gives. D of both is the largest of the fields'.
+/// phi of all fields must be in one unit of length. With KO_AGGREGATE_MINIMUM as `combination` phi is the least or largest itself, with the
+/// gradient of the first field that has it: not smooth, no Hessian. One field is as `ko_constraints_keep_body` has it.
+/// Errors: those of `ko_constraints_keep_body`; KO_ERR_INVALID_ARGUMENT for no fields or more than 256, for NULL and for another dimension
+/// among them, naming the first, for another `extreme`, for KO_AGGREGATE_NONE as `combination`. Threads: needs `constraints` alone. Cost:
+/// none; evaluated, a sample costs what it costs in each field, and two exponentials a field.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_constraints_keep_body_in_fields(
+    constraints: *mut ko_constraints,
+    body: *const ko_body,
+    frame: u32,
+    fields: *const *const ko_field,
+    n_fields: usize,
+    extreme: i32,
+    combination: *const ko_aggregation,
+    field_frame: u32,
+    aggregation: *const ko_aggregation,
+    first_value: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for constraints and a body.
+        let (ko_constraints(set), ko_body(body)) =
+            unsafe { (place(constraints, "constraints")?, object(body, "body")?) };
+        // SAFETY: the header asks for an array of fields, and for NULL or an initialised struct.
+        let combined = unsafe { Combined::read(fields, n_fields, extreme, combination) }?;
+        // SAFETY: the header asks for NULL or an initialised struct.
+        let aggregation = unsafe { ko_aggregation::read(aggregation) }?;
+        check_wanted_place(first_value, "first_value")?;
+        let frames = [frame, field_frame].map(|f| FrameId(f as usize));
+        let value = match (set, body) {
+            (OfDimension::Plane(set), OfDimension::Plane(body)) => {
+                let region = combined.region(OfDimension::plane)?;
+                set.keep_body((body.clone(), frames[0]), (region, frames[1]), aggregation)?
+            }
+            (OfDimension::Space(set), OfDimension::Space(body)) => {
+                let region = combined.region(OfDimension::space)?;
+                set.keep_body((body.clone(), frames[0]), (region, frames[1]), aggregation)?
+            }
+            (set, body) => return Err(differ(&[("the constraints", set.dim()), ("the body", body.dim())])),
+        };
+        // SAFETY: the header asks for NULL or a place to write.
+        unsafe { tell(first_value, value) }
+    })
+}
+
+/// Requires that the points with number `points` lie in the union or the intersection of the feasible sets of `fields` [n_fields], all in
+/// `field_frame`: as `ko_constraints_keep_body_in_fields`, and in the Hessian as `ko_constraints_keep_points`.
+///
+/// Errors, threads and cost: as of these two.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_constraints_keep_points_in_fields(
+    constraints: *mut ko_constraints,
+    points: u32,
+    fields: *const *const ko_field,
+    n_fields: usize,
+    extreme: i32,
+    combination: *const ko_aggregation,
+    field_frame: u32,
+    aggregation: *const ko_aggregation,
+    first_value: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for constraints.
+        let ko_constraints(set) = unsafe { place(constraints, "constraints") }?;
+        // SAFETY: the header asks for an array of fields, and for NULL or an initialised struct.
+        let combined = unsafe { Combined::read(fields, n_fields, extreme, combination) }?;
+        // SAFETY: the header asks for NULL or an initialised struct.
+        let aggregation = unsafe { ko_aggregation::read(aggregation) }?;
+        check_wanted_place(first_value, "first_value")?;
+        let (points, frame) = (PointsId(points as usize), FrameId(field_frame as usize));
+        let value = match set {
+            OfDimension::Plane(set) => {
+                set.keep_points(points, (combined.region(OfDimension::plane)?, frame), aggregation)?
+            }
+            OfDimension::Space(set) => {
+                set.keep_points(points, (combined.region(OfDimension::space)?, frame), aggregation)?
+            }
         };
         // SAFETY: the header asks for NULL or a place to write.
         unsafe { tell(first_value, value) }
@@ -503,6 +594,50 @@ pub unsafe extern "C" fn ko_constraints_hessian(
         };
         in_its_dimension!(set, set => set.hessian(x, lambda, entries))
     })
+}
+
+/// Fields and what shall become of them, as C hands them over.
+struct Combined<'a> {
+    fields: Vec<&'a ko_field>,
+    extreme: Extreme,
+    combination: Aggregation,
+}
+
+impl<'a> Combined<'a> {
+    /// # Safety
+    /// `fields` is NULL or points to `n_fields` handles, each NULL or a field that lives for `'a`; `combination` is NULL or initialised.
+    unsafe fn read(
+        fields: *const *const ko_field,
+        n_fields: usize,
+        extreme: i32,
+        combination: *const ko_aggregation,
+    ) -> Result<Self> {
+        Region::<3>::check_count(n_fields)?;
+        // SAFETY: the caller's promise.
+        let handles = unsafe { array(fields, n_fields, "fields") }?;
+        // SAFETY: the caller's promise.
+        let each = handles.iter().enumerate().map(|(i, f)| unsafe { object(*f, &format!("field {i} of fields")) });
+        let fields = each.collect::<Result<_>>()?;
+        let extreme = extreme_of(extreme)?;
+        // SAFETY: the caller's promise.
+        let combination = unsafe { ko_aggregation::read(combination) }.map_err(|error| match error {
+            Error::InvalidArgument(text) => Error::InvalidArgument(format!("combination of the fields: {text}")),
+            other => other,
+        })?;
+        Ok(Combined { fields, extreme, combination })
+    }
+
+    /// The region, of fields that are of its dimension by `in_dimension`.
+    fn region<const D: usize>(
+        &self,
+        in_dimension: impl Fn(&OfDimension<Arc<Field<2>>, Arc<Field<3>>>) -> Option<&Arc<Field<D>>>,
+    ) -> Result<Region<D>> {
+        let each = self.fields.iter().enumerate().map(|(i, ko_field(field))| match in_dimension(field) {
+            Some(field) => Ok(field.clone()),
+            None => Err(differ(&[("the constraints", D as u32), (&format!("field {i} of fields"), field.dim())])),
+        });
+        Region::new(each.collect::<Result<_>>()?, self.extreme, self.combination)
+    }
 }
 
 fn kind(rotation: i32, scale: i32) -> Result<PoseKind> {
