@@ -109,16 +109,22 @@ Worst compare(const Constraints &set, const std::vector<double> &x, Uniform &uni
     return worst;
 }
 
+void take_in(Worst &worst, const Worst &found) {
+    worst.gradient = std::max(worst.gradient, found.gradient);
+    worst.hessian = std::max(worst.hessian, found.hessian);
+}
+
 }  // namespace
 
 void derivatives(const Data &) {
-    Uniform uniform(5);
+    // Combinations draw from numbers of their own.
+    Uniform uniform(5), others(6);
     print_count("derivatives_configurations", CONFIGURATIONS);
     for (const std::uint32_t dim : {2u, 3u}) {
         std::vector<Field> fields;
         for (int i = 0; i < 20; ++i) fields.push_back(made_up_field(dim, uniform));
         const std::vector<Pose> poses = poses_of(dim);
-        Worst of_kind[4];
+        Worst of_kind[4], of_combination[4];
         for (int i = 0; i < CONFIGURATIONS / 2; ++i) {
             const Pose &a = poses[i % poses.size()], &b = poses[i / poses.size() % poses.size()];
             const Constraints set = constraints_of(dim);
@@ -135,13 +141,25 @@ void derivatives(const Data &) {
             // One in ten where a frame stands still in the world, so that points lie on the faces of the box.
             if (i % 10 == 0) std::fill(x.begin(), x.begin() + dim, 0.0);
             const Worst found = compare(set, x, uniform);
-            of_kind[kind].gradient = std::max(of_kind[kind].gradient, found.gradient);
-            of_kind[kind].hessian = std::max(of_kind[kind].hessian, found.hessian);
+            take_in(of_kind[kind], found);
+            // The union or the intersection of two or three fields, by another kind.
+            if (i % 5 != 0) continue;
+            const int by = 1 + i / 5 % 3;
+            std::vector<const ko_field *> several;
+            for (int f = 0; f < 2 + i / 15 % 2; ++f) several.push_back(fields[(i + 5 * f) % 20].get());
+            const ko_aggregation combination = aggregation_of(KINDS[by], 1 + 11 * others(), others() < 0.5 ? KO_BELOW : KO_ABOVE);
+            const Constraints combined = constraints_of(dim);
+            const std::uint32_t places[] = {add_frame(combined, a.rotation, a.scale), add_frame(combined, b.rotation, b.scale)};
+            keep_in_fields(combined, body, places[0], several, i % 2 ? KO_LARGEST : KO_LEAST, combination, places[1], of);
+            take_in(of_combination[by], compare(combined, x, others));
         }
         for (int kind = 0; kind < 4; ++kind) {
             const std::string key = "derivatives_" + std::to_string(dim) + "d_" + NAMES[kind];
             print(key + "_gradient_error", of_kind[kind].gradient);
             print(key + "_hessian_error", of_kind[kind].hessian);
+            if (kind == 0) continue;
+            print(key + "_of_fields_gradient_error", of_combination[kind].gradient);
+            print(key + "_of_fields_hessian_error", of_combination[kind].hessian);
         }
     }
     print("derivatives_gradient_error_limit", LIMIT_OF_GRADIENTS);

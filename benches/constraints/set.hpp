@@ -48,6 +48,14 @@ inline void keep(const Constraints &set, const Body &body, std::uint32_t frame, 
           "ko_constraints_keep_body");
 }
 
+inline void keep_in_fields(const Constraints &set, const Body &body, std::uint32_t frame, const std::vector<const ko_field *> &fields,
+                           std::int32_t extreme, const ko_aggregation &combination, std::uint32_t field_frame,
+                           const ko_aggregation &aggregation) {
+    check(ko_constraints_keep_body_in_fields(set.get(), body.get(), frame, fields.data(), fields.size(), extreme, &combination,
+                                             field_frame, &aggregation, nullptr),
+          "ko_constraints_keep_body_in_fields");
+}
+
 struct Sizes {
     std::size_t variables = 0, values = 0, jacobian = 0, hessian = 0;
 };
