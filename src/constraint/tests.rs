@@ -3,6 +3,7 @@
 use super::pose::Order;
 use super::*;
 use crate::field::{Feasible, Field};
+use crate::geometry::matrix::applied;
 use crate::geometry::random::SplitMix64;
 use crate::spline::{Axis, Grid};
 use crate::{Error, Result};
@@ -503,7 +504,7 @@ fn only_the_relative_pose_counts() {
         let moved = |q: &[f64], by: &[f64]| -> Vec<f64> {
             // by after q: s = s_2 s_1, R = R_2 R_1 as quaternions, t = s_2 R_2 t_1 + t_2.
             let pose = pose::Pose::<3>::at(kind, by, Order::Value).unwrap();
-            let t = crate::geometry::matrix::applied(&pose.linear, [q[0], q[1], q[2]]);
+            let t = applied(&pose.linear, [q[0], q[1], q[2]]);
             let (a, b) = (&by[3..7], &q[3..7]);
             let mut both: Vec<f64> = (0..3).map(|k| t[k] + by[k]).collect();
             both.extend([

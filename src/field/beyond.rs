@@ -16,6 +16,7 @@
 
 use super::Field;
 use super::eval::Place;
+use crate::geometry::matrix::matrix;
 use crate::geometry::vec::norm;
 use crate::isa::Portable;
 use crate::spline::basis::{Weights, second};
@@ -53,11 +54,6 @@ pub(super) struct Dependence<'a, const D: usize> {
     pub on_polynomial: f64,
     /// d phi / d m
     pub on_level: f64,
-}
-
-/// The matrix of `entry`(row, column).
-fn matrix<const D: usize>(entry: impl Fn(usize, usize) -> f64) -> Hessian<D> {
-    std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
 }
 
 /// How one coordinate is bent: derivatives of s and e with respect to t, e itself.

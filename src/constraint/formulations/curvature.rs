@@ -9,6 +9,7 @@
 use crate::Result;
 use crate::error::try_with_capacity;
 use crate::geometry::Cloud;
+use crate::geometry::matrix::matrix;
 use crate::geometry::neighbours::{Neighbour, Neighbours};
 use crate::geometry::surfels::tangents;
 use crate::geometry::vec::{dot, sub};
@@ -59,7 +60,7 @@ fn tensor<const D: usize>(cloud: &Cloud<D>, tree: &Neighbours<D>, i: usize) -> T
         let pairs = (0..D - 1).flat_map(|a| (0..D - 1).map(move |b| (a, b)));
         pairs.map(|(a, b)| s[a][b] * axes[a][i] * axes[b][j]).sum()
     };
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+    matrix(entry)
 }
 
 /// The symmetric S of least sum |S t - m|^2, from sums of t t^T and t m^T.
