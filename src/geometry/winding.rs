@@ -247,7 +247,7 @@ impl<const D: usize> Moments<D> {
 mod tests {
     use super::super::Bounds;
     use super::super::random::SplitMix64;
-    use super::super::shapes::{circle, shells, sphere, torus};
+    use super::super::shapes::{TOLD_WRONG_IN_SHELLS, circle, shells, sphere, torus};
     use super::super::vec::{Vec3, normalized};
     use super::*;
 
@@ -341,6 +341,11 @@ mod tests {
     #[test]
     fn sides_of_shells_in_shells_are_those_by_construction() {
         let Prepared { tree, corners, winding } = prepare(&shells(100));
+        for q in TOLD_WRONG_IN_SHELLS {
+            let w = winding.rough(&tree, &corners, q);
+            assert!(w < 0.3, "{w}: the far fields are no longer wrong at {q:?}, of which this is a test");
+            assert_eq!(winding.side(&tree, &corners, q), Side::Inside, "{q:?}");
+        }
         let mut random = SplitMix64::new(33);
         let mut n = 0;
         while n < 400 {
