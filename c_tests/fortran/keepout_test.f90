@@ -694,20 +694,18 @@ contains
     call set%keep_points(path, field, KO_WORLD)
   end subroutine
 
-  ! A ball of control points, positive outside or inside.
-  subroutine ball(field, center, inside)
+  ! About the distance from a circle, positive inside.
+  subroutine make_tank(field, center)
     type(keepout_field), intent(inout) :: field
     real(c_double), intent(in) :: center(2)
-    logical, intent(in) :: inside
     real(c_double) :: control_points(64)
     integer :: i, j
-    control_points = [((norm2((real([i, j], c_double) - 3.5_c_double) / 2.5_c_double - center) - 0.6_c_double, j=0, 7), i=0, 7)]
-    if (inside) control_points = -control_points
+    control_points = [((0.6_c_double - norm2((real([i, j], c_double) - 3.5_c_double) / 2.5_c_double - center), j=0, 7), i=0, 7)]
     call field%from_control_points([8, 8], spread(-1.0_c_double, 1, 2), spread(1.0_c_double, 1, 2), KO_FEASIBLE_OUTSIDE, &
       2.5_c_double, control_points)
   end subroutine
 
-  ! A body and a path in the union of two balls, and in their intersection.
+  ! A body and a path in the union of two tanks, and in their intersection.
   subroutine fields_are_combined()
     type(keepout_constraints) :: set
     type(keepout_field) :: tanks(2)
@@ -718,8 +716,8 @@ contains
     integer(c_size_t) :: first
     character(len=200) :: errmsg
     points = reshape([-0.8_c_double, 0.0_c_double, 0.0_c_double, 0.1_c_double, 0.8_c_double, -0.1_c_double], [2, 3])
-    call ball(tanks(1), [-0.5_c_double, 0.0_c_double], .true.)
-    call ball(tanks(2), [0.5_c_double, 0.0_c_double], .true.)
+    call make_tank(tanks(1), [-0.5_c_double, 0.0_c_double])
+    call make_tank(tanks(2), [0.5_c_double, 0.0_c_double])
     call tanks(1)%eval(points, phi(:, 1))
     call tanks(2)%eval(points, phi(:, 2))
     hard = keepout_aggregation()
