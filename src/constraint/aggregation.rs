@@ -220,15 +220,21 @@ impl Aggregate {
 
     /// How the value changes with a sample of value `phi`.
     pub fn weight(&self, phi: f64) -> SampleWeight {
-        let SoftMin { least, sum, first } = self.sums;
-        let (rho, d) = (self.of.sharpness, self.unit);
         // Rounded as in the sums, and none below the least: far away a last bit would be a large exponent.
-        let x = phi * (1.0 / d);
-        let y = y_of(self.of.kind, x).max(least);
-        let share = (-rho * (y - least)).exp() / sum;
+        let x = phi * (1.0 / self.unit);
+        let t = y_of(self.of.kind, x).max(self.sums.least) - self.sums.least;
+        self.weight_of(x, t, (-self.of.sharpness * t).exp())
+    }
+
+    /// The same of a sample of which x, t = y - m and `e` = exp(-rho t) are known.
+    #[inline]
+    pub fn weight_of(&self, x: f64, t: f64, e: f64) -> SampleWeight {
+        let SoftMin { sum, first, .. } = self.sums;
+        let (rho, d) = (self.of.sharpness, self.unit);
+        let share = e / sum;
         match self.of.kind {
             Kind::InducedExponential => {
-                let w = share * (1.0 - rho * (y - least - first / sum));
+                let w = share * (1.0 - rho * (t - first / sum));
                 SampleWeight { share, first: w, second: -rho / d * (w + share) }
             }
             Kind::PNorm => {
@@ -238,7 +244,8 @@ impl Aggregate {
                 let second = c / d * share * slope * slope * (-rho - x * slope);
                 SampleWeight { share, first: c * share * slope, second }
             }
-            _ => SampleWeight { share, first: share, second: -rho / d * share },
+            Kind::Ks => SampleWeight { share, first: share, second: -rho / d * share },
+            Kind::Minimum | Kind::None => SampleWeight { share, first: share, second: 0.0 },
         }
     }
 
@@ -342,7 +349,7 @@ pub(super) fn first_least(values: impl Iterator<Item = f64>) -> usize {
 }
 
 /// The sums over `values`, which are gone through twice.
-pub(super) fn sums(of: Aggregation, unit: f64, values: impl Iterator<Item = f64> + Clone) -> SoftMin {
+fn sums(of: Aggregation, unit: f64, values: impl Iterator<Item = f64> + Clone) -> SoftMin {
     let y = values.map(|v| y_of(of.kind, v * (1.0 / unit)));
     let least = y.clone().fold(f64::INFINITY, f64::min);
     y.fold(SoftMin { least, ..SoftMin::EMPTY }, |s, y| {

@@ -8,12 +8,15 @@
 //! hess F = sum_f w_f hess phi_f + beta_f g_f g_f^T + c (grad F, grad F), of the coupling (a, w) with sum_f a_f g_f
 //! ```
 //!
-//! So F is a function as phi is, and all that is done with samples in a field is done in a region.
+//! So F is a function as phi is, and all that is done with samples in a field is done in a region. With x of phi_f, or of -phi_f for a union,
+//! y, m and S are as there.
 
-use super::aggregation::{Aggregate, Aggregation, Extreme, Kind, SampleWeight, first_least, sums};
+use super::aggregation::{Aggregate, Aggregation, Extreme, Kind, SoftMin, first_least, y_of};
+use super::exponential::exp_of_negative;
 use super::moments::BLOCK;
 use crate::field::{Field, Outputs};
 use crate::geometry::vec::{add, scale};
+use crate::isa::{Isa, Kernel, dispatch};
 use crate::{Error, Result};
 use std::sync::Arc;
 
@@ -52,28 +55,54 @@ struct Looked<const D: usize> {
     hessians: [f64; PACKED * BLOCK],
 }
 
-/// What a field counts for at a sample.
-enum Weights {
-    By(Aggregate),
-    /// Of the field with this number alone: the least is not smooth.
-    Of(usize),
+/// What the fields count for at some samples.
+struct Sums {
+    /// y - m, field by field.
+    t: [f64; BLOCK],
+    /// exp(-rho (y - m)), field by field; of a minimum 1 for the first field that has it, 0 for others.
+    e: [f64; BLOCK],
+    /// m, a sample; of a minimum in the unit of phi.
+    least: [f64; BLOCK],
+    /// S, a sample.
+    sum: [f64; BLOCK],
+    /// sum e (y - m), a sample.
+    first: [f64; BLOCK],
 }
 
-impl Weights {
-    fn of(&self, f: usize, phi: f64) -> SampleWeight {
-        match self {
-            Weights::By(aggregate) => aggregate.weight(phi),
-            Weights::Of(one) => {
-                let first = if f == *one { 1.0 } else { 0.0 };
-                SampleWeight { share: first, first, second: 0.0 }
-            }
-        }
-    }
+/// Fills [`Sums`] for an aggregate that is smooth. Sample beside sample the compiler makes vectors of it.
+struct AddUp<'a> {
+    of: Aggregation,
+    /// What phi is multiplied with to be x.
+    per_unit: f64,
+    /// Samples.
+    n: usize,
+    /// `n` of each field.
+    phi: &'a [f64],
+    to: &'a mut Sums,
+}
 
-    fn coupling(&self) -> [f64; 2] {
-        match self {
-            Weights::By(aggregate) => aggregate.coupling(),
-            Weights::Of(_) => [0.0; 2],
+impl Kernel for AddUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Isa>(self) {
+        let AddUp { of: Aggregation { kind, sharpness, .. }, per_unit, n, phi, to } = self;
+        let (t, e) = (&mut to.t[..phi.len()], &mut to.e[..phi.len()]);
+        let (least, sum, first) = (&mut to.least[..n], &mut to.sum[..n], &mut to.first[..n]);
+        t.iter_mut().zip(phi).for_each(|(t, phi)| *t = y_of(kind, phi * per_unit));
+        least.copy_from_slice(&t[..n]);
+        for y in t.chunks_exact(n) {
+            least.iter_mut().zip(y).for_each(|(least, y)| *least = if y < least { *y } else { *least });
+        }
+        for t in t.chunks_exact_mut(n) {
+            t.iter_mut().zip(&*least).for_each(|(t, least)| *t -= least);
+        }
+        e.iter_mut().zip(&*t).for_each(|(e, t)| *e = exp_of_negative::<I>(-sharpness * t));
+        sum.fill(0.0);
+        first.fill(0.0);
+        for (e, t) in e.chunks_exact(n).zip(t.chunks_exact(n)) {
+            sum.iter_mut().zip(e).for_each(|(sum, e)| *sum += e);
+            first.iter_mut().zip(e.iter().zip(t)).for_each(|(first, (e, t))| *first += e * t);
         }
     }
 }
@@ -118,11 +147,14 @@ impl<const D: usize> Region<D> {
             return field.eval_from(first, points, outputs);
         }
         let mut looked = Looked { phi: [0.0; BLOCK], gradients: [[0.0; D]; BLOCK], hessians: [0.0; PACKED * BLOCK] };
+        let none = [0.0; BLOCK];
+        let mut sums = Sums { t: none, e: none, least: none, sum: none, first: none };
         let (mut first, mut rest) = (first, outputs);
         for points in points.chunks(BLOCK / self.fields.len()) {
             let (outputs, behind) = rest.split(points.len());
             self.look_up(first, points, &outputs, &mut looked)?;
-            self.combine(points.len(), &looked, outputs);
+            self.add_up(points.len(), &looked, &mut sums);
+            self.combine(points.len(), &looked, &sums, outputs);
             (first, rest) = (first + points.len(), behind);
         }
         Ok(())
@@ -144,59 +176,68 @@ impl<const D: usize> Region<D> {
         Ok(())
     }
 
+    /// What phi is multiplied with to be x of the aggregate of the least.
+    fn per_unit(&self) -> f64 {
+        self.sign * (1.0 / self.unit)
+    }
+
+    /// What the fields count for at `n` samples.
+    fn add_up(&self, n: usize, looked: &Looked<D>, to: &mut Sums) {
+        let n_fields = self.fields.len();
+        let phi = &looked.phi[..n_fields * n];
+        if self.of.kind != Kind::Minimum {
+            return dispatch(AddUp { of: self.of, per_unit: self.per_unit(), n, phi, to });
+        }
+        to.e[..n_fields * n].fill(0.0);
+        to.sum[..n].fill(1.0);
+        for i in 0..n {
+            let f = first_least((0..n_fields).map(|f| self.sign * phi[f * n + i]));
+            to.e[f * n + i] = 1.0;
+            to.least[i] = self.sign * phi[f * n + i];
+        }
+    }
+
     /// F of `n` samples.
-    fn combine(&self, n: usize, looked: &Looked<D>, mut outputs: Outputs<D>) {
+    fn combine(&self, n: usize, looked: &Looked<D>, sums: &Sums, mut outputs: Outputs<D>) {
         let n_pairs = D * (D + 1) / 2;
         for i in 0..n {
-            let (value, weights) = self.aggregate(n, i, looked);
+            let of_sample = SoftMin { least: sums.least[i], sum: sums.sum[i], first: sums.first[i] };
+            let one = Aggregate::moved_by(self.of, self.unit, of_sample, self.moved);
             if let Some(values) = &mut outputs.values {
-                values[i] = value;
+                let value = if self.of.kind == Kind::Minimum { sums.least[i] } else { one.value() };
+                values[i] = self.sign * value;
             }
             let hessian = outputs.hessians.as_mut().map(|h| &mut h[n_pairs * i..n_pairs * (i + 1)]);
             if outputs.gradients.is_some() || hessian.is_some() {
-                let gradient = self.differentiate((n, i), looked, &weights, hessian);
+                let gradient = self.differentiate((n, i), looked, (sums, &one), hessian);
                 outputs.gradients.iter_mut().for_each(|gradients| gradients[i] = gradient);
             }
         }
     }
 
-    /// phi_f of sample `i` of `n`, as it comes to the aggregate of the least.
-    fn phi(&self, (n, i): (usize, usize), f: usize, looked: &Looked<D>) -> f64 {
-        self.sign * looked.phi[f * n + i]
-    }
-
-    fn aggregate(&self, n: usize, i: usize, looked: &Looked<D>) -> (f64, Weights) {
-        let phi = (0..self.fields.len()).map(|f| self.phi((n, i), f, looked));
-        if self.of.kind == Kind::Minimum {
-            let f = first_least(phi);
-            return (looked.phi[f * n + i], Weights::Of(f));
-        }
-        let one = Aggregate::moved_by(self.of, self.unit, sums(self.of, self.unit, phi), self.moved);
-        (self.sign * one.value(), Weights::By(one))
-    }
-
-    /// The gradient of F at sample `i` of `n`, and its packed `hessian` where one is wanted.
+    /// The gradient of F at sample `i` of `n`, and its packed `hessian` where one is wanted; `one` is the aggregate there.
     fn differentiate(
         &self,
         (n, i): (usize, usize),
         looked: &Looked<D>,
-        weights: &Weights,
+        (sums, one): (&Sums, &Aggregate),
         mut hessian: Option<&mut [f64]>,
     ) -> [f64; D] {
         let n_pairs = D * (D + 1) / 2;
         let (mut w, mut a) = ([0.0; D], [0.0; D]);
         hessian.iter_mut().for_each(|to| to.fill(0.0));
-        for f in 0..self.fields.len() {
-            let (weight, g) = (weights.of(f, self.phi((n, i), f, looked)), looked.gradients[f * n + i]);
+        for at in (0..self.fields.len()).map(|f| f * n + i) {
+            let weight = one.weight_of(looked.phi[at] * self.per_unit(), sums.t[at], sums.e[at]);
+            let g = looked.gradients[at];
             w = add(w, scale(weight.first, g));
             if let Some(to) = &mut hessian {
                 a = add(a, scale(weight.share, g));
-                let (second, h) = (self.sign * weight.second, &looked.hessians[n_pairs * (f * n + i)..]);
+                let (second, h) = (self.sign * weight.second, &looked.hessians[n_pairs * at..]);
                 for_each_pair::<D>(|pair, j, k| to[pair] += second * g[j] * g[k] + weight.first * h[pair]);
             }
         }
         if let Some(to) = hessian {
-            let [ww, aw] = weights.coupling().map(|c| self.sign * c);
+            let [ww, aw] = one.coupling().map(|c| self.sign * c);
             for_each_pair::<D>(|pair, j, k| to[pair] += ww * w[j] * w[k] + aw * (a[j] * w[k] + w[j] * a[k]));
         }
         w
