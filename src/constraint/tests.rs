@@ -301,16 +301,19 @@ fn combinations_are_aggregates_of_the_fields<const D: usize>(seed: u64) {
                         Extreme::Least => phi.iter().copied().fold(f64::INFINITY, f64::min),
                         Extreme::Largest => phi.iter().copied().fold(f64::NEG_INFINITY, f64::max),
                     };
-                    let apart = if of.side == Side::Below { end - value } else { value - end };
-                    match kind {
-                        Kind::Minimum => assert_eq!(*value, end),
-                        _ => assert!(apart > -1e-13, "{of:?} {extreme:?} of {n_fields}: {value} {end}"),
+                    // As far below and above as the aggregate of the least of the negatives above and below.
+                    let (sign, of_least) = extreme.by_the_least(of);
+                    let [mut low, mut high] = of_least.bounds(n_fields, sign * end / unit).map(|by| by * unit);
+                    if sign < 0.0 {
+                        (low, high) = (high, low);
                     }
-                    let most = match kind {
-                        Kind::Ks => unit * (n_fields as f64).ln() / of.sharpness,
-                        _ => f64::INFINITY,
-                    };
-                    assert!(apart < most + 1e-13, "{of:?} {extreme:?} of {n_fields}: {value} {end}");
+                    let text = format!("{of:?} {extreme:?} of {n_fields}: {value}, {end}");
+                    assert!(*value >= end - low - 1e-13 && *value <= end + high + 1e-13, "{text}");
+                    // Nothing beyond the side, and KS within what the docs say.
+                    assert_eq!(if of.side == Side::Below { high } else { low }, 0.0, "{text}");
+                    let most = unit * (n_fields as f64).ln() / of.sharpness;
+                    assert!(kind != Kind::Ks || (low + high - most).abs() < 1e-13, "{text}");
+                    assert!(kind != Kind::Minimum || *value == end, "{text}");
                 }
             }
         }
@@ -379,6 +382,43 @@ fn unions_of_the_plane_hold_what_no_part_holds() {
 #[test]
 fn unions_of_space_hold_what_no_part_holds() {
     unions_hold_what_no_part_holds::<3>();
+}
+
+/// Where the safe side costs something: of KS in an intersection where the fields are equal, in a union where one stands alone; of the
+/// induced exponential in an intersection at both, in a union at neither.
+#[test]
+fn what_is_lost_on_the_safe_side_is_lost_where_the_docs_say() {
+    let (level, deep) = (constant(0.3), constant(-3.0));
+    let equal = vec![level.clone(); 4];
+    let alone = |others: Arc<Field<2>>| vec![others.clone(), level.clone(), others.clone(), others];
+    let (rho, unit, n) = (50.0, 2.0, 4.0_f64);
+    let lost = |kind, extreme, fields: &[Arc<Field<2>>]| {
+        let of = Aggregation { kind, sharpness: rho, side: Side::Below };
+        0.3 - combined(fields, extreme, of, &[[0.1, 0.2]]).1[0]
+    };
+    let (ks, exponential) = (Kind::Ks, Kind::InducedExponential);
+    let by_ks = unit * n.ln() / rho;
+    let by_exponential = unit * Aggregation { kind: exponential, sharpness: rho, side: Side::Below }.bounds(4, 0.0)[0];
+    assert!(by_exponential > 0.0 && by_exponential < by_ks);
+    for (kind, extreme, fields, right) in [
+        (ks, Extreme::Least, &equal, by_ks),
+        (ks, Extreme::Least, &alone(constant(3.0)), 0.0),
+        (ks, Extreme::Largest, &equal, 0.0),
+        (ks, Extreme::Largest, &alone(deep.clone()), by_ks),
+        (exponential, Extreme::Least, &equal, by_exponential),
+        (exponential, Extreme::Least, &alone(constant(3.0)), by_exponential),
+        (exponential, Extreme::Largest, &equal, 0.0),
+        (exponential, Extreme::Largest, &alone(deep), 0.0),
+    ] {
+        let found = lost(kind, extreme, fields);
+        assert!((found - right).abs() < 1e-12, "{kind:?} {extreme:?}: {found} for {right}");
+    }
+}
+
+/// phi is `value` in the box; D is 2.
+fn constant(value: f64) -> Arc<Field<2>> {
+    let grid = Grid { axes: [Axis { lower: -1.0, cell: 0.5, n_cells: 4 }; 2] };
+    Arc::new(Field::from_control_points(grid, vec![value; grid.n_control()], Feasible::Outside, 2.0).unwrap())
 }
 
 /// The hard ones have the gradient of the first field that has the value, and no Hessian; a field alone is itself.

@@ -211,13 +211,14 @@ pub unsafe extern "C" fn ko_constraints_keep_points(
 ///
 /// `extreme` is KO_LARGEST, for the union: each sample in one of two tanks, say, and a body across both; or KO_LEAST, for the intersection:
 /// outside several obstacles, as one value. `combination` tells how the fields' phi become one, sample by sample, NULL: KS; with KO_BELOW
-/// it lies below the largest or the least of them, the safe side of both, and by KS at most D ln(n_fields) / rho below: the neck of a union
-/// is that much narrower. `aggregation` is over the samples, and works on what `combination` gives. D of both is the largest of the fields'.
-/// phi of all fields must be in one unit of length. With KO_AGGREGATE_MINIMUM as `combination` phi is the least or largest itself, with the
-/// gradient of the first field that has it: not smooth, no Hessian. One field is as `ko_constraints_keep_body` has it.
+/// it lies below the largest or the least of them, the safe side of both. KS lies at most D ln(n_fields) / rho below: below the least where
+/// the fields are equal, below the largest where one is much larger than the others, so that the walls of a union are that much nearer.
+/// `aggregation` is over the samples, and works on what `combination` gives. D of both is the largest of the fields'. phi of all fields must
+/// be in one unit of length. With KO_AGGREGATE_MINIMUM as `combination` phi is the least or largest itself, with the gradient of the first
+/// field that has it: not smooth, no Hessian. One field is as `ko_constraints_keep_body` has it.
 /// Errors: those of `ko_constraints_keep_body`; KO_ERR_INVALID_ARGUMENT for no fields or more than 256, for NULL and for another dimension
 /// among them, naming the first, for another `extreme`, for KO_AGGREGATE_NONE as `combination`. Threads: needs `constraints` alone. Cost:
-/// none; evaluated, a sample costs what it costs in each field, and two exponentials a field.
+/// none; evaluated, about that of one requirement a field.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_constraints_keep_body_in_fields(
     constraints: *mut ko_constraints,
@@ -570,8 +571,8 @@ pub unsafe extern "C" fn ko_constraints_hessian_pattern(
 /// `entries` [n_entries] are in the order of `ko_constraints_hessian_pattern`.
 ///
 /// Errors: those of `ko_constraints_values`; KO_ERR_INVALID_ARGUMENT for a multiplier that is not finite, KO_ERR_UNSUPPORTED for one other
-/// than 0 of a value by KO_AGGREGATE_MINIMUM. Threads: any number at once. Cost: some 90 ns a sample of a requirement whose multiplier is not
-/// 0, and the entries of points that are coupled; no allocation, no lock.
+/// than 0 of a value by KO_AGGREGATE_MINIMUM, over samples or over fields. Threads: any number at once. Cost: some 90 ns a sample of a
+/// requirement whose multiplier is not 0, and the entries of points that are coupled; no allocation, no lock.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_constraints_hessian(
     constraints: *const ko_constraints,
