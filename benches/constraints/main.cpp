@@ -5,5 +5,5 @@
 int main(int argc, char **argv) {
     using namespace bench;
     return run_subjects("constraints", argc, argv,
-                        {{"derivatives", derivatives}, {"speed", speed}, {"figure_8", figure_8}, {"adjoint", adjoint}});
+                        {{"derivatives", derivatives}, {"speed", speed}, {"figure_8", figure_8}, {"certify", certify}, {"adjoint", adjoint}});
 }
