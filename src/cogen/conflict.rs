@@ -127,6 +127,12 @@ impl Conflicts {
         Ok(Conflicts { rows, columns, rows_of, n_cells })
     }
 
+    /// The graph of cells of several parts, by numbers through all of them, each row with all that its cell conflicts with: read as the double
+    /// cover, which has every cell on both sides.
+    pub(super) fn of_all(rows: Rows, n_cells: usize) -> Self {
+        Conflicts { columns: rows.clone(), rows, rows_of: Side::First, n_cells: [n_cells; 2] }
+    }
+
     /// Edges.
     pub fn n_edges(&self) -> usize {
         self.rows.n_edges()
@@ -150,6 +156,11 @@ impl Conflicts {
     /// The columns.
     pub(super) fn columns(&self) -> &Rows {
         &self.columns
+    }
+
+    /// What the cells of part 1 conflict with, and what those of part 2 do.
+    pub(super) fn by_side(&self) -> (&Rows, &Rows) {
+        if self.rows_of == Side::First { (&self.rows, &self.columns) } else { (&self.columns, &self.rows) }
     }
 
     /// Cells of a part's grid.

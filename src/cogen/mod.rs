@@ -18,6 +18,7 @@
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
 //! | (25), (26), the family over gamma | [`mod@family`] |
+//! | more than two parts; Nemhauser and Trotter 1975, the bound | [`assembly`]; `swept_box` |
 //! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`mod@contact`] |
 //!
 //! Where we depart from the paper, beyond what the pages of these say. Its measure looks at centres of cells at sampled times, so that pairs for
@@ -31,6 +32,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod assembly;
 pub mod bits;
 pub mod closure;
 pub mod conflict;
@@ -51,9 +53,11 @@ mod rows;
 mod separation;
 pub mod steps;
 pub mod sweep;
+mod swept_box;
 mod ties;
 mod trajectory;
 
+pub use assembly::{ArrangeOptions, Arrangement, Assembly};
 pub use bits::Bits;
 pub use closure::{Pair, close, room};
 pub use conflict::{Conflicts, OverlapOptions, Side};

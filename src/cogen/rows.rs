@@ -9,6 +9,7 @@ use crate::Result;
 use crate::error::{try_reserve, try_vec, try_with_capacity};
 use crate::par::Workers;
 use std::ops::Range;
+use std::sync::Arc;
 
 const GAP: usize = (1 << 24) - 1;
 const LENGTH: usize = 255;
@@ -65,10 +66,10 @@ impl Block {
     }
 }
 
-/// All rows.
-#[derive(Debug)]
+/// All rows. Copies share them.
+#[derive(Debug, Clone)]
 pub struct Rows {
-    blocks: Vec<Block>,
+    blocks: Arc<Vec<Block>>,
     n_rows: usize,
 }
 
@@ -84,7 +85,7 @@ impl Rows {
     pub fn new(blocks: Vec<Block>) -> Self {
         let n_rows = blocks.iter().map(|b| b.ends.len()).sum();
         debug_assert!(blocks.iter().rev().skip(1).all(|b| b.ends.len() == BLOCK));
-        Rows { blocks, n_rows }
+        Rows { blocks: Arc::new(blocks), n_rows }
     }
 
     /// The same edges by the numbers in the rows, which are below `n`.

@@ -33,7 +33,7 @@ fn twist<const D: usize>(random: &mut SplitMix64) -> Twist<D> {
     Twist { turn, drift: std::array::from_fn(|_| random.between(-0.5, 0.5)) }
 }
 
-fn motion<const D: usize>(random: &mut SplitMix64) -> Motion<D> {
+pub(super) fn motion<const D: usize>(random: &mut SplitMix64) -> Motion<D> {
     let law = Law {
         offset: 0.0,
         slope: random.between(-1.0, 1.0),
@@ -59,14 +59,14 @@ fn case<const D: usize>(random: &mut SplitMix64) -> ([Part<D>; 2], Relative<D>) 
     (parts, Relative { from: motion(random), of: motion(random) })
 }
 
-fn vertices<const D: usize>(grid: &Grid<D>, i: usize) -> Vec<[f64; D]> {
+pub(super) fn vertices<const D: usize>(grid: &Grid<D>, i: usize) -> Vec<[f64; D]> {
     let h = 0.5 * grid.cell();
     let corner = |k: usize| std::array::from_fn(|a| if k >> a & 1 == 0 { -h } else { h });
     (0..1 << D).map(|k| add(grid.center(i), corner(k))).collect()
 }
 
 /// By how much the shadows of both cells overlap on the axis on which they do so least; below 0 they are apart.
-fn overlap<const D: usize>(one: &[[f64; D]], two: &[[f64; D]]) -> f64 {
+pub(super) fn overlap<const D: usize>(one: &[[f64; D]], two: &[[f64; D]]) -> f64 {
     let edges = |v: &[[f64; D]]| -> Vec<[f64; D]> { (0..D).map(|a| sub(v[1 << a], v[0])).collect() };
     let (a, b) = (edges(one), edges(two));
     let mut axes: Vec<[f64; D]> = a.iter().chain(&b).copied().collect();
@@ -90,7 +90,7 @@ fn overlap<const D: usize>(one: &[[f64; D]], two: &[[f64; D]]) -> f64 {
 }
 
 /// The graph as a table.
-fn table(conflicts: &Conflicts) -> Vec<Vec<bool>> {
+pub(super) fn table(conflicts: &Conflicts) -> Vec<Vec<bool>> {
     let [n1, n2] = SIDES.map(|s| conflicts.n_cells(s));
     (0..n1)
         .map(|i| {
@@ -199,7 +199,7 @@ fn clearance_is_kept() {
     }
 }
 
-fn random_graph(random: &mut SplitMix64, most: usize) -> Conflicts {
+pub(super) fn random_graph(random: &mut SplitMix64, most: usize) -> Conflicts {
     let mut n = || 1 + random.bits() as usize % most;
     let (n1, n2) = (n(), n());
     let density = random.unit();
