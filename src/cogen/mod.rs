@@ -18,6 +18,7 @@
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
 //! | (25), (26), the family over gamma | [`mod@family`] |
+//! | symmetric pairs | [`symmetry`] |
 //! | more than two parts; Nemhauser and Trotter 1975, the bound | [`assembly`]; `swept_box` |
 //! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`mod@contact`] |
 //!
@@ -54,6 +55,7 @@ mod separation;
 pub mod steps;
 pub mod sweep;
 mod swept_box;
+pub mod symmetry;
 mod ties;
 mod trajectory;
 
@@ -70,6 +72,7 @@ pub use motion::{Law, Motion, Wave};
 pub use optimise::{Design, OptimiseOptions, Optimised, optimise};
 pub use part::{Cell, Part};
 pub use steps::{Relative, Sampling};
+pub use symmetry::{Folded, Symmetry};
 
 #[cfg(test)]
 mod tests;
