@@ -6,7 +6,8 @@
 //! known corners: either there is a corner beyond it, or the line is an edge of the hull. Pairs of one weight lie on such an edge, and a chain of
 //! them is walked from one end to the other (`ties`): where it passes a gamma that is asked for, that pair is as good as any can be.
 //! Where the chain, or what is known so far, leaps over it, some of the leap's cells are taken, those that conflict with each other first, and the
-//! pair is closed: maximal still, and taken if it is near enough to the bound, or if there is no corner left between.
+//! pair is closed: maximal still, and taken if it is near enough to the bound. If there is no corner left between, and it is not near enough,
+//! proximal cuts choose the cells (`proximal`), and the better pair is taken.
 //!
 //! Small weights make flows of few units, which are found much faster: where pairs need not come up to the bound, weights are rounded.
 
@@ -15,6 +16,7 @@ use super::closure::{Pair, close};
 use super::conflict::{Conflicts, Side};
 use super::cut::weight_of_all;
 use super::flow::Flow;
+use super::proximal::{PULLS, Proximal};
 use super::ties::Ties;
 use crate::geometry::vec::number;
 use crate::progress::Progress;
@@ -40,6 +42,15 @@ pub struct Member {
 struct Corner {
     pair: Pair,
     volumes: [u64; 2],
+}
+
+/// What lies between two pairs of a family.
+struct Row {
+    /// Near cells that one has more, and far ones that it has less.
+    gained: Bits,
+    lost: Bits,
+    /// The near ones, those that conflict near each other.
+    order: Vec<u32>,
 }
 
 /// How near to the bound pairs shall come.
@@ -70,6 +81,24 @@ struct Search<'a> {
 
 fn weigh(w: [u64; 2], corner: &Corner) -> u128 {
     (0..2).map(|k| u128::from(w[k]) * u128::from(corner.volumes[k])).sum()
+}
+
+/// What part 2 gains, and what part 1 loses, from one corner to another.
+fn slope(low: &Corner, high: &Corner) -> [u64; 2] {
+    let change = |more: u64, less: u64| more.saturating_sub(less).max(1);
+    [change(high.volumes[1], low.volumes[1]), change(low.volumes[0], high.volumes[0])]
+}
+
+/// The nearest fraction with numbers up to ROUND.
+fn rounded(w: [u64; 2]) -> [u64; 2] {
+    if w[0].max(w[1]) <= ROUND {
+        return w;
+    }
+    let ratio = w[0] as f64 / w[1] as f64;
+    let of = |b: u64| ((ratio * b as f64).round().clamp(1.0, ROUND as f64) as u64, b);
+    let off = |(a, b): (u64, u64)| (a as f64 / b as f64 / ratio).ln().abs();
+    let (a, b) = (1..=ROUND).map(of).min_by(|x, y| off(*x).total_cmp(&off(*y))).expect("there are some");
+    [a, b]
 }
 
 fn gamma_of(volumes: [u64; 2]) -> f64 {
@@ -152,7 +181,7 @@ impl Search<'_> {
         let w = self.across(low, high);
         if self.cuts.iter().any(|[w1, w2, _]| (*w1, *w2) == (w[0] as f64, w[1] as f64)) {
             // Rounded, they have been tried.
-            return self.leap(low, high, wanted, None).map(|_| ());
+            return self.leap(low, high, wanted, None, progress).map(|_| ());
         }
         let weights = [0, 1].map(|k| self.weights[k].iter().map(|x| x * w[k]).collect::<Vec<u64>>());
         let near = self.conflicts.rows_of();
@@ -164,18 +193,18 @@ impl Search<'_> {
         self.cuts.push([w[0] as f64, w[1] as f64, (all - ties.flow()) as f64]);
         // The chain goes towards small gamma where part 1 grows.
         let first = self.of_ties(&ties);
-        let (last, rest) = self.walk(&mut ties, near, &first, wanted)?;
+        let (last, rest) = self.walk(&mut ties, near, &first, wanted, progress)?;
         let (least, most) = if near == Side::First { (&last, &first) } else { (&first, &last) };
         let from = rest.partition_point(|g| *g < gamma_of(least.volumes));
         for (low, high, wanted) in [(low, least, &rest[..from]), (most, high, &rest[from..])] {
             // What comes near enough to the bound as it is known now.
             let beyond = weigh(w, low).max(weigh(w, high)) == weigh(w, low).min(weigh(w, high));
             let left = if beyond || low.volumes[0] <= high.volumes[0] || low.volumes[1] >= high.volumes[1] {
-                self.leap(low, high, wanted, None)?
+                self.leap(low, high, wanted, None, progress)?
             } else if self.options.gap == 0.0 {
                 wanted.to_vec()
             } else {
-                self.leap(low, high, wanted, Some(self.options.gap))?
+                self.leap(low, high, wanted, Some(self.options.gap), progress)?
             };
             self.between(low, high, &left, progress)?;
         }
@@ -184,17 +213,8 @@ impl Search<'_> {
 
     /// Weights across the line between two corners: what part 1 loses from one to the other weighs what part 2 gains.
     fn across(&self, low: &Corner, high: &Corner) -> [u64; 2] {
-        let w = [high.volumes[1] - low.volumes[1], low.volumes[0] - high.volumes[0]];
-        let most = w[0].max(w[1]);
-        if self.options.gap == 0.0 || most <= ROUND {
-            return w;
-        }
-        // The nearest fraction with numbers up to ROUND.
-        let ratio = w[0] as f64 / w[1] as f64;
-        let of = |b: u64| ((ratio * b as f64).round().clamp(1.0, ROUND as f64) as u64, b);
-        let off = |(a, b): (u64, u64)| (a as f64 / b as f64 / ratio).ln().abs();
-        let (a, b) = (1..=ROUND).map(of).min_by(|x, y| off(*x).total_cmp(&off(*y))).expect("there are some");
-        [a, b]
+        let w = slope(low, high);
+        if self.options.gap == 0.0 { w } else { rounded(w) }
     }
 
     /// What no pair of `gamma` weighs more than.
@@ -204,28 +224,106 @@ impl Search<'_> {
     }
 
     /// Puts pairs between two corners where they are within `gap` of the bound, or all if that is not given; the gammas that are left.
-    fn leap(&mut self, low: &Corner, high: &Corner, wanted: &[f64], gap: Option<f64>) -> Result<Vec<f64>> {
+    fn leap(
+        &mut self,
+        low: &Corner,
+        high: &Corner,
+        wanted: &[f64],
+        gap: Option<f64>,
+        progress: &mut Progress<'_>,
+    ) -> Result<Vec<f64>> {
         if wanted.is_empty() {
             return Ok(Vec::new());
         }
         let near = self.conflicts.rows_of();
         let (few, many) = if near == Side::First { (high, low) } else { (low, high) };
+        let Row { gained, lost, order } = self.row(few, many, near)?;
+        let mut left = Vec::new();
+        let mut proximal = None;
+        for &g in wanted {
+            let mut corner = self.within_leap(few, many, near, &order, g)?;
+            let near_enough = |corner: &Corner, gap: f64| {
+                let total = (corner.volumes[0] + corner.volumes[1]) as f64;
+                total >= (1.0 - gap) * self.bound(gamma_of(corner.volumes))
+            };
+            if gap.is_some_and(|gap| !near_enough(&corner, gap)) {
+                left.push(g);
+                continue;
+            }
+            if gap.is_none() && !near_enough(&corner, self.options.gap) {
+                let first = match &proximal {
+                    Some(first) => first,
+                    None => proximal.insert(Proximal::new(self.conflicts, gained.clone(), lost.clone(), &order)?),
+                };
+                let other = self.proximal(few, many, near, first, g, progress)?;
+                let off = |c: &Corner| (gamma_of(c.volumes) - g).abs();
+                if off(&other) <= LOOSE.max(off(&corner))
+                    && other.volumes.iter().sum::<u64>() > corner.volumes.iter().sum()
+                {
+                    corner = other;
+                }
+            }
+            self.put(g, &corner);
+        }
+        Ok(left)
+    }
+
+    /// What lies between two pairs.
+    fn row(&self, few: &Corner, many: &Corner, near: Side) -> Result<Row> {
         let mut gained = many.pair.cells[near.index()].clone();
         gained.subtract(&few.pair.cells[near.index()]);
         let mut lost = few.pair.cells[near.other().index()].clone();
         lost.subtract(&many.pair.cells[near.other().index()]);
         let order = self.conflicts.by_distance(&gained, &lost)?;
-        let mut left = Vec::new();
-        for &g in wanted {
-            let corner = self.within_leap(few, many, near, &order, g)?;
-            let total = (corner.volumes[0] + corner.volumes[1]) as f64;
-            if gap.is_none_or(|gap| total >= (1.0 - gap) * self.bound(gamma_of(corner.volumes))) {
-                self.put(g, &corner);
-            } else {
-                left.push(g);
+        Ok(Row { gained, lost, order })
+    }
+
+    /// The pair nearest to `gamma` that proximal cuts find between two, of which `few` has fewer near cells; `first` is what lies between them. Where
+    /// a weak pull leaps over it a stronger one goes on between the pairs beside it.
+    fn proximal(
+        &self,
+        few: &Corner,
+        many: &Corner,
+        near: Side,
+        first: &Proximal<'_>,
+        gamma: f64,
+        progress: &mut Progress<'_>,
+    ) -> Result<Corner> {
+        let off = |c: &Corner| (gamma_of(c.volumes) - gamma).abs();
+        let w = rounded(if near == Side::First { slope(many, few) } else { slope(few, many) });
+        let weights = [0, 1].map(|k| self.weights[k].iter().map(|x| x * w[k]).collect::<Vec<u64>>());
+        let weights = [&weights[near.index()][..], &weights[near.other().index()]];
+        let (mut few, mut many) = (few.clone(), many.clone());
+        let mut best = if off(&few) <= off(&many) { few.clone() } else { many.clone() };
+        let mut own;
+        let mut between = first;
+        for pull in PULLS {
+            // Places are told apart to a hundredth of the row.
+            let (mut from, mut to, apart) = (0, between.len(), between.len().div_ceil(100));
+            let base = few.pair.cells[near.index()].clone();
+            while off(&best) > LOOSE && to - from > apart {
+                let place = (from + to) / 2;
+                let mut set = base.clone();
+                set.unite(&between.cut(place, pull, weights, progress)?);
+                let corner = self.corner(close(self.conflicts, self.room, near, &set)?);
+                if off(&corner) < off(&best) {
+                    best = corner.clone();
+                }
+                if (gamma_of(corner.volumes) < gamma) == (near == Side::First) {
+                    (to, many) = (place, corner);
+                } else {
+                    (from, few) = (place, corner);
+                }
             }
+            let Row { gained, lost, order } = self.row(&few, &many, near)?;
+            if off(&best) <= LOOSE || order.len() < 2 {
+                return Ok(best);
+            }
+            own = Proximal::new(self.conflicts, gained, lost, &order)?;
+            between = &own;
         }
-        Ok(left)
+        let Row { order, .. } = self.row(&few, &many, near)?;
+        self.within_leap(&few, &many, near, &order, gamma)
     }
 
     /// The pair where the chain is, with the cells that do not collide.
@@ -240,7 +338,14 @@ impl Search<'_> {
     }
 
     /// Walks along the chain and puts pairs where it passes gammas that are wanted; its last pair, and the gammas that it does not pass.
-    fn walk(&mut self, ties: &mut Ties<'_>, near: Side, first: &Corner, wanted: &[f64]) -> Result<(Corner, Vec<f64>)> {
+    fn walk(
+        &mut self,
+        ties: &mut Ties<'_>,
+        near: Side,
+        first: &Corner,
+        wanted: &[f64],
+        progress: &mut Progress<'_>,
+    ) -> Result<(Corner, Vec<f64>)> {
         let (near_k, far_k) = (near.index(), near.other().index());
         let sign = if near == Side::First { -1.0 } else { 1.0 };
         // Gammas in the order in which the chain comes to them.
@@ -262,7 +367,7 @@ impl Search<'_> {
             let after = self.of_ties(ties);
             let before = self.before(&after, near, &gained, &lost);
             let (low, high) = if near == Side::First { (&after, &before) } else { (&before, &after) };
-            self.leap(low, high, &coming[next..next + passed], None)?;
+            self.leap(low, high, &coming[next..next + passed], None, progress)?;
             next += passed;
         }
         let last = self.of_ties(ties);
@@ -304,3 +409,6 @@ const ROUND: u64 = 12;
 
 /// Gammas nearer than this are as good as equal.
 const NEAR: f64 = 1e-3;
+
+/// And for proximal cuts, whose pairs weigh more.
+const LOOSE: f64 = 2e-3;

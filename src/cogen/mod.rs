@@ -50,6 +50,7 @@ pub mod motion;
 pub mod optimise;
 mod parcels;
 pub mod part;
+mod proximal;
 mod rows;
 mod separation;
 pub mod steps;

@@ -531,7 +531,7 @@ fn a_latch_stays_in_its_enclosure_and_off_its_pin() {
 }
 
 /// Two squares that turn against each other, as in section 5.1, of n^2 cells.
-fn gears(n: usize) -> ([Part<2>; 2], Relative<2>) {
+pub(super) fn gears(n: usize) -> ([Part<2>; 2], Relative<2>) {
     let square = |x: f64| Part::whole(Grid::new([x - 0.5, -0.5], 1.0 / n as f64, [n, n]).unwrap()).unwrap();
     let turn = |x: f64, turns: f64| Motion::turn([x, 0.0], Law::even(turns * std::f64::consts::TAU)).unwrap();
     ([square(0.0), square(1.0)], Relative { from: turn(0.0, 1.0), of: turn(1.0, -1.0) })
