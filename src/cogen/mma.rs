@@ -175,20 +175,23 @@ impl<const M: usize> Mma<M> {
         sums.iter().fold(S::ZERO, |total, sum| total.plus(sum))
     }
 
+    /// The dual at lambda, with the constants `r` of the constraints and what they may be exceeded by.
+    fn dual(&self, lambda: &[f64; M], r: &[f64; M], workers: &Workers) -> Dual<M> {
+        let mut dual: Dual<M> = self.sum(workers, |term, sum: &mut Dual<M>| term.add_to(lambda, sum));
+        for i in 0..M {
+            let over = (lambda[i] - PRICE).max(0.0);
+            dual.value += lambda[i] * r[i] - 0.5 * over * over;
+            dual.gradient[i] += r[i] - over;
+            dual.curvature[i][i] += f64::from(u8::from(over > 0.0));
+        }
+        dual
+    }
+
     /// The lambda >= 0 at which the dual is greatest.
     fn maximise_dual(&self, r: &[f64; M], workers: &Workers) -> [f64; M] {
-        let dual = |lambda: &[f64; M]| {
-            let mut dual: Dual<M> = self.sum(workers, |term, sum: &mut Dual<M>| term.add_to(lambda, sum));
-            for i in 0..M {
-                let over = (lambda[i] - PRICE).max(0.0);
-                dual.value += lambda[i] * r[i] - 0.5 * over * over;
-                dual.gradient[i] += r[i] - over;
-                dual.curvature[i][i] += f64::from(u8::from(over > 0.0));
-            }
-            dual
-        };
+        let dual = |lambda: &[f64; M]| self.dual(lambda, r, workers);
         let mut lambda = self.lambda;
-        let mut here = dual(&lambda);
+        let (mut here, mut damping) = (dual(&lambda), LEAST_DAMPING);
         for _ in 0..MOST_NEWTON {
             // Multipliers that are 0 and want to be less stay.
             let held: [bool; M] = std::array::from_fn(|i| lambda[i] <= 0.0 && here.gradient[i] <= 0.0);
@@ -196,28 +199,32 @@ impl<const M: usize> Mma<M> {
             if rest <= 1e-9 {
                 break;
             }
-            let direction = newton(&here, &held);
-            let mut length = 1.0;
-            loop {
-                let next: [f64; M] = std::array::from_fn(|i| (lambda[i] + length * direction[i]).max(0.0));
-                let there = dual(&next);
-                let gain: f64 = (0..M).map(|i| here.gradient[i] * (next[i] - lambda[i])).sum();
-                if there.value >= here.value + 1e-4 * gain || length < 1e-8 {
-                    (lambda, here) = (next, there);
-                    break;
-                }
-                length *= 0.5;
-            }
-            if length < 1e-8 {
-                break;
+            let direction = newton(&here, &held, damping);
+            let next: [f64; M] = std::array::from_fn(|i| (lambda[i] + direction[i]).max(0.0));
+            // It is concave: no step gains more than this.
+            let gain: f64 = (0..M).map(|i| here.gradient[i] * (next[i] - lambda[i])).sum();
+            let there = dual(&next);
+            let slope: f64 = (0..M).map(|i| there.gradient[i] * (next[i] - lambda[i])).sum();
+            // What is gained may be less than values are rounded by; then the slope there tells whether it went too far.
+            let is_gain = there.value >= here.value + 1e-3 * gain;
+            let is_small = gain <= 1e-10 * here.value.abs() && slope >= -0.5 * gain;
+            // What is cut off at 0 may leave a step that goes down.
+            if gain > 0.0 && (is_gain || is_small) {
+                (lambda, here, damping) = (next, there, (damping / 10.0).max(LEAST_DAMPING));
+            } else {
+                damping *= 10.0;
             }
         }
         lambda
     }
 }
 
-/// Newton steps of a dual, at most.
-const MOST_NEWTON: usize = 50;
+/// Newton steps of a dual, at most, with those that go too far.
+const MOST_NEWTON: usize = 200;
+
+/// What a dual's curvature is raised by at least, as a fraction of it: measures of both directions are much the same, so that it hardly bends along
+/// some directions, and not at all where all variables are at bounds.
+const LEAST_DAMPING: f64 = 1e-8;
 
 impl<const M: usize> Term<M> {
     const NONE: Self =
@@ -280,12 +287,12 @@ impl<const M: usize> Summand for Dual<M> {
     }
 }
 
-/// Curvature^-1 gradient among the multipliers that are not held, by Cholesky's method; the curvature is raised a little, since it is 0 where
-/// all variables are at bounds.
-fn newton<const M: usize>(dual: &Dual<M>, held: &[bool; M]) -> [f64; M] {
+/// Curvature^-1 gradient among the multipliers that are not held, by Cholesky's method; the curvature is raised by `damping` (Levenberg,
+/// Marquardt), since whole steps go too far where bounds of variables take hold on the way.
+fn newton<const M: usize>(dual: &Dual<M>, held: &[bool; M], damping: f64) -> [f64; M] {
     let mut l = dual.curvature;
     for i in 0..M {
-        l[i][i] += 1e-10 * (1.0 + l[i][i]);
+        l[i][i] += damping * (1e-3 + l[i][i]);
         for k in 0..M {
             if held[i] || held[k] {
                 l[i][k] = f64::from(u8::from(i == k));
@@ -313,6 +320,7 @@ fn newton<const M: usize>(dual: &Dual<M>, held: &[bool; M]) -> [f64; M] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::random::SplitMix64;
 
     /// Svanberg's cantilever beam of 1987: five heights, one displacement; the optimum is known.
     #[test]
@@ -332,6 +340,40 @@ mod tests {
         assert!((weight - 1.340).abs() < 5e-4, "{weight}");
         for (x, best) in x.iter().zip([0.6016, 0.5309, 0.4494, 0.3502, 0.2153]) {
             assert!((x - best).abs() < 2e-3, "{x} {best}");
+        }
+    }
+
+    /// Constraints that are nearly the same, and one that is another's opposite: there a whole Newton step goes far astray.
+    #[test]
+    fn multipliers_are_the_best_where_constraints_are_much_the_same() {
+        let (n, workers) = (400, Workers::caller_only());
+        let mut random = SplitMix64::new(7);
+        for round in 0..300 {
+            let mut of =
+                |from: f64, to: f64| -> Vec<f64> { (0..n).map(|_| random.between(from, to) / n as f64).collect() };
+            let (objective, one, share) = (of(-1.0, -0.9), of(0.0, 3.0), of(-1.0, 1.0));
+            let near: Vec<f64> = one.iter().zip(of(0.0, 1e-6)).map(|(x, d)| x + d).collect();
+            let other: Vec<f64> = share.iter().map(|x| -x).collect();
+            let mut x: Vec<f64> = (0..n).map(|_| [0.0, 1.0, random.unit()][random.bits() as usize % 3]).collect();
+            let values = [random.between(-0.5, 2.0), random.between(-0.5, 2.0)];
+            let ratio = random.between(-0.3, 0.3);
+            let values = [values[0], if round % 2 == 0 { values[0] } else { values[1] }, ratio - 1e-3, -ratio - 1e-3];
+            let problem = Problem { objective: &objective, values, gradients: [&one, &near, &share, &other] };
+            let mut mma = Mma::<4>::new(n).unwrap();
+            let before = x.clone();
+            mma.step(&mut x, &problem, &workers);
+            // r, as the step has it.
+            let at = |x: &[f64], i: usize| -> f64 {
+                let of = |(t, x): (&Term<4>, &f64)| t.p[i] / (t.high - x) + t.q[i] / (x - t.low);
+                mma.terms.iter().zip(x).map(of).sum()
+            };
+            let r: [f64; 4] = std::array::from_fn(|i| values[i] - at(&before, i));
+            let dual = mma.dual(&mma.lambda, &r, &workers);
+            for i in 0..4 {
+                let slope = dual.gradient[i];
+                let rest = if mma.lambda[i] > 0.0 { slope.abs() } else { slope };
+                assert!(rest < 1e-6, "{round}: {i} {slope} {:?}", mma.lambda);
+            }
         }
     }
 

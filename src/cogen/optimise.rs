@@ -75,7 +75,7 @@ pub struct Optimised {
     pub gamma: f64,
     /// One for each iteration, the first for the beginning.
     pub history: Vec<Iteration>,
-    /// Whether the last change is below the tolerance.
+    /// Whether the last change is below the tolerance, and no constraint is exceeded by more than it may be off.
     pub converged: bool,
 }
 
@@ -112,8 +112,10 @@ pub fn optimise<const D: usize>(
         progress.tell(k as f64 / (options.max_iterations + 1) as f64, "moving asymptotes")?;
         let (iteration, values) = state.evaluate(&densities)?;
         history.push(iteration);
+        // Little change where constraints do not hold is no end.
+        let holds = values.iter().all(|value| *value <= options.feasibility);
         // Where nothing collides there is nothing to do.
-        converged = state.x.is_empty() || k > 0 && state.change < options.tolerance;
+        converged = state.x.is_empty() || k > 0 && holds && state.change < options.tolerance;
         if converged || k == options.max_iterations {
             break;
         }
@@ -258,5 +260,46 @@ impl<'a, const D: usize> State<'a, D> {
             changed += (x - old).abs() * self.variables[k].measure;
         }
         self.change = changed / self.volume;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::Grid;
+    use super::super::motion::{Law, Motion, Wave};
+    use super::super::part::Part;
+    use super::super::steps::Relative;
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// A cam and its follower: at some gammas a part is at times all but gone, from where it has to come back.
+    #[test]
+    fn a_cam_and_its_follower_end_where_constraints_hold() {
+        let n = 60;
+        let grid = |y: f64, rows: usize| Grid::new([-0.5, y], 1.0 / n as f64, [n, rows]).unwrap();
+        let parts = [Part::whole(grid(-0.5, n)).unwrap(), Part::whole(grid(-0.25, n / 2)).unwrap()];
+        let pair = [&parts[0], &parts[1]];
+        let wave = Wave { amplitude: 0.125, cycles: 2.0, phase: 0.0 };
+        let slide = Motion::slide([0.0, 1.0], Law { offset: 0.75, slope: 0.0, waves: vec![wave] }).unwrap();
+        let relative = Relative { from: Motion::turn([0.0; 2], Law::even(TAU)).unwrap(), of: slide };
+        let (workers, silent) = (Workers::new(2).unwrap(), &mut Progress::silent());
+        let correlation = Correlation::new(pair, &relative, 200, 1 << 30, &workers, silent).unwrap();
+        let conflicts = correlation.conflicts(&workers).unwrap();
+        let (room, frozen) = (pair.map(|p| p.allowed().clone()), pair.map(Part::frozen));
+        let design = Design { correlation: &correlation, conflicts: &conflicts, room: &room, frozen };
+        for gamma in [0.0, 0.2, 0.6, 0.7, 0.8, 1.0] {
+            let options = OptimiseOptions { gamma, ..OptimiseOptions::default() };
+            let found = optimise(&design, &options, &workers, silent).unwrap();
+            assert!(found.converged && found.history.len() < 100, "{gamma}: {}", found.history.len());
+            let (first, last) = (found.history[0], found.history[found.history.len() - 1]);
+            let within = 2.0 * options.feasibility * (1.0 + 1e-12);
+            assert!(
+                last.measures.g21 <= within * first.measures.g21 && last.measures.g12 <= within * first.measures.g12
+            );
+            let [v1, v2] = last.volumes;
+            let all = first.volumes[0] + first.volumes[1];
+            assert!((gamma * v1 - (1.0 - gamma) * v2).abs() <= within * all, "{gamma}: {v1} {v2}");
+            assert!((found.gamma - gamma).abs() < 0.03, "{gamma}: {}", found.gamma);
+        }
     }
 }
