@@ -6,8 +6,10 @@
 
 use super::bits::Bits;
 use super::conflict::{Conflicts, Side};
+use super::frozen;
 use super::part::Part;
-use crate::{Error, Result};
+use super::steps::Relative;
+use crate::Result;
 
 /// A pair of parts, by their cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,24 +30,15 @@ impl Pair {
     }
 }
 
-/// The cells that each part may have beside those that the other must: A_1 \ N(frozen_2), A_2 \ N(frozen_1).
-pub fn room<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2]) -> Result<[Bits; 2]> {
+/// The cells that each part may have beside those that the other must: A_1 \ N(frozen_2), A_2 \ N(frozen_1). The error tells of frozen cells
+/// that collide with each other, and from `relative`, the motion that the graph is of, when and where.
+pub fn room<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2], relative: &Relative<D>) -> Result<[Bits; 2]> {
+    frozen::check(conflicts, parts, relative)?;
     let mut room = parts.map(|p| p.allowed().clone());
     for side in [Side::First, Side::Second] {
         let frozen = parts[side.index()].frozen();
         if frozen.count() > 0 {
-            let taken = conflicts.neighbours(side, frozen)?;
-            let other = side.other().index();
-            let mut both = taken.clone();
-            both.intersect(parts[other].frozen());
-            if let Some(cell) = both.iter().next() {
-                return Err(Error::InvalidArgument(format!(
-                    "frozen cell {cell} of part {} collides with a frozen cell of part {}",
-                    other + 1,
-                    side.index() + 1
-                )));
-            }
-            room[other].subtract(&taken);
+            room[side.other().index()].subtract(&conflicts.neighbours(side, frozen)?);
         }
     }
     Ok(room)

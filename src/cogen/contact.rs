@@ -7,13 +7,13 @@
 use super::bits::Bits;
 use super::closure::Pair;
 use super::conflict::Side;
+use super::cube::Cube;
 use super::grid::Grid;
 use super::steps::Relative;
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::Bounds;
 use crate::geometry::rigid::Rigid;
-use crate::geometry::triangle_pair::nearest_on_segments;
-use crate::geometry::vec::{Vec3, add, norm, scale, sub};
+use crate::geometry::vec::{norm, sub};
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -254,57 +254,5 @@ fn each_place<const D: usize>(from: [usize; D], to: [usize; D], mut take: impl F
         let Some(a) = (0..D).rev().find(|&a| place[a] + 1 < to[a]) else { return };
         place[a] += 1;
         place[a + 1..].copy_from_slice(&from[a + 1..]);
-    }
-}
-
-/// A cell somewhere.
-struct Cube<const D: usize> {
-    center: [f64; D],
-    half: f64,
-    pose: Rigid<D>,
-}
-
-impl<const D: usize> Cube<D> {
-    fn new(center: [f64; D], edge: f64, pose: &Rigid<D>) -> Self {
-        Cube { center, half: 0.5 * edge, pose: Rigid { turn: pose.turn, shift: center } }
-    }
-
-    fn vertices(&self) -> impl Iterator<Item = [f64; D]> + '_ {
-        let h = self.half;
-        (0..1_usize << D).map(move |k| self.pose.apply(std::array::from_fn(|a| if k >> a & 1 == 0 { -h } else { h })))
-    }
-
-    /// The point of the cube nearest to `p`.
-    fn nearest(&self, p: [f64; D]) -> [f64; D] {
-        self.pose.apply(self.pose.apply_inverse(p).map(|x| x.clamp(-self.half, self.half)))
-    }
-
-    /// Distance to another, and a point between the nearest points: one of these is a vertex, or they are on two edges.
-    fn distance(&self, other: &Self) -> (f64, [f64; D]) {
-        let mut best = (f64::INFINITY, self.center);
-        let mut take = |p: [f64; D], q: [f64; D]| {
-            let distance = norm(sub(p, q));
-            if distance < best.0 {
-                best = (distance, scale(0.5, add(p, q)));
-            }
-        };
-        self.vertices().for_each(|p| take(p, other.nearest(p)));
-        other.vertices().for_each(|q| take(self.nearest(q), q));
-        if D == 3 {
-            let three = |p: [f64; D]| -> Vec3 { std::array::from_fn(|k| p[k % D]) };
-            let edges = |cube: &Self| -> Vec<(Vec3, Vec3)> {
-                let v: Vec<Vec3> = cube.vertices().map(three).collect();
-                let ends = (0..8_usize).flat_map(|k| (0..3).map(move |a| (k, k | 1 << a)));
-                ends.filter(|(k, m)| k != m).map(|(k, m)| (v[k], v[m])).collect()
-            };
-            for (a, b) in edges(self) {
-                for (c, d) in edges(other) {
-                    let [s, t] = nearest_on_segments([a, b], [c, d]);
-                    let (p, q) = (add(a, scale(s, sub(b, a))), add(c, scale(t, sub(d, c))));
-                    take(std::array::from_fn(|k| p[k]), std::array::from_fn(|k| q[k]));
-                }
-            }
-        }
-        best
     }
 }

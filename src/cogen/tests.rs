@@ -274,11 +274,15 @@ fn frozen_cells_stay_and_may_not_collide() {
         let cells: Vec<Cell> = (0..n).map(|i| if frozen.contains(&i) { Cell::Frozen } else { Cell::Free }).collect();
         Part::of_cells(Grid::new([0.0; 2], 1.0, [n, 1]).unwrap(), &cells).unwrap()
     };
-    let rooms = room(&conflicts, [&part(3, &[0]), &part(2, &[1])]).unwrap();
+    let still = Relative { from: Motion::fixed(), of: Motion::fixed() };
+    let rooms = room(&conflicts, [&part(3, &[0]), &part(2, &[1])], &still).unwrap();
     assert_eq!(rooms[0].iter().collect::<Vec<_>>(), [0, 2]);
     assert_eq!(rooms[1].iter().collect::<Vec<_>>(), [1]);
-    let told = room(&conflicts, [&part(3, &[1]), &part(2, &[1])]).unwrap_err().to_string();
-    assert!(told.contains("frozen cell 1 of part 2"), "{told}");
+    let told = room(&conflicts, [&part(3, &[1]), &part(2, &[1])], &still).unwrap_err().to_string();
+    assert!(
+        told.contains("1 pair") && told.contains("cell 1 of part 2, at (1.5, 0.5), overlap from time 0 on"),
+        "{told}"
+    );
 }
 
 /// Steps of `n` at which the centre of each of `moving`'s cells is in each of `still`'s, in the frame that `pose`(t) moves it to.
