@@ -3,6 +3,7 @@
 //! An edge joins cells that overlap at some time. Pairs of parts that never collide are the independent sets of this bipartite graph.
 
 use super::bits::{Bits, Marks};
+use super::foresight::{Estimate, Limit};
 use super::parcels::{Room, cells, each_block, n_blocks};
 use super::part::Part;
 use super::rows::{Block, Rows};
@@ -13,6 +14,7 @@ use crate::error::try_with_capacity;
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::progress::Progress;
+use std::ops::Range;
 
 /// One of the two parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,8 +76,8 @@ impl Conflicts {
     /// may count as well: see `separation`. Cells that a part may not have are left out. `relative` is the motion of part 2 as seen from part 1.
     ///
     /// The error tells of a clearance below 0, of a motion with a number that is not finite, and of a graph that would take more than
-    /// `max_bytes`. Time: for each cell of the part with fewer of them and each step, and for each cell that it passes over then; as many bits on
-    /// one thread as on several.
+    /// `max_bytes`, and what cells would fit: before it is made, from a sample of its rows. Time: for each cell of the part with fewer of them
+    /// and each step, and for each cell that it passes over then; as many bits on one thread as on several.
     pub fn of_overlap<const D: usize>(
         parts: [&Part<D>; 2],
         relative: &Relative<D>,
@@ -87,10 +89,15 @@ impl Conflicts {
         let rows_of = if parts[1].allowed().count() < parts[0].allowed().count() { Side::Second } else { Side::First };
         let (moving, still) = (parts[rows_of.index()], parts[rows_of.other().index()]);
         let seen = if rows_of == Side::First { relative.reversed() } else { relative.clone() };
-        let swathes = Swathes::new(&seen, options.sampling, still.grid(), moving.grid(), options.clearance)?;
         let workers = Workers::new(options.n_threads)?;
-        let rows = build(&swathes, moving, still, options, &workers, progress)?;
-        Conflicts::of_made(n_cells, rows_of, rows, &workers)
+        // Half as large cells are 2^D as many, each with twice as many runs.
+        let limit = Limit::new("the conflict graph", options.max_bytes, [moving.grid(), still.grid()], D + 1);
+        let rows = Making { moving, still, seen, options, limit, workers: &workers }.rows(progress)?;
+        let made = Conflicts::of_made(n_cells, rows_of, rows, &workers)?;
+        if made.bytes() as u64 > options.max_bytes {
+            return Err(limit.refusal(made.bytes() as f64, None));
+        }
+        Ok(made)
     }
 
     /// The graph of which `edge`(cell of part 1, cell of part 2) tells the edges: for few cells, it asks for each pair.
@@ -116,7 +123,7 @@ impl Conflicts {
                 row(i, &mut |j| marks.insert_range(j..j + 1));
                 block.push_row(|run| marks.take_runs(&all, run))?;
             }
-            Ok(block)
+            Ok(block.settled())
         });
         let blocks = made.into_iter().collect::<Result<_>>()?;
         Conflicts::of_made(n_cells, rows_of, Rows::new(blocks), workers)
@@ -131,6 +138,12 @@ impl Conflicts {
     /// cover, which has every cell on both sides.
     pub(super) fn of_all(rows: Rows, n_cells: usize) -> Self {
         Conflicts { columns: rows.clone(), rows, rows_of: Side::First, n_cells: [n_cells; 2] }
+    }
+
+    /// Whether nothing collides: grids that never meet, or a motion that keeps them apart. Then both parts keep every cell, there is no gamma, and
+    /// all that is asked of the graph has that answer.
+    pub fn is_empty(&self) -> bool {
+        self.n_edges() == 0
     }
 
     /// Edges.
@@ -207,25 +220,55 @@ impl Conflicts {
     }
 }
 
-fn build<const D: usize>(
-    swathes: &Swathes<D>,
-    moving: &Part<D>,
-    still: &Part<D>,
-    options: &OverlapOptions,
+/// What the making of rows needs.
+struct Making<'a, const D: usize> {
+    moving: &'a Part<D>,
+    still: &'a Part<D>,
+    /// The motion as seen from the part that stays.
+    seen: Relative<D>,
+    options: &'a OverlapOptions,
+    limit: Limit,
+    workers: &'a Workers,
+}
+
+impl<const D: usize> Making<'_, D> {
+    fn rows(&self, progress: &mut Progress<'_>) -> Result<Rows> {
+        let Making { moving, still, ref seen, options, limit, workers } = *self;
+        let n_rows = moving.grid().n_cells();
+        let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "the conflict graph")?;
+        let of = |seen: &Relative<D>, moving: &Part<D>, still: &Part<D>| {
+            Swathes::new(seen, options.sampling, still.grid(), moving.grid(), options.clearance)
+        };
+        let (there, back) = (of(seen, moving, still)?, of(&seen.reversed(), still, moving)?);
+        let make = |rows| dispatch(Overlaps { swathes: &there, moving, still, rows });
+        let turned = |rows| dispatch(Overlaps { swathes: &back, moving: still, still: moving, rows });
+        // What rows and columns take together, as a part of what rows take.
+        let mut share = 2.0;
+        if let (Some(rows), Some(columns)) = (estimate(make, moving, workers)?, estimate(turned, still, workers)?) {
+            let both = rows.plus(&columns);
+            if limit.is_passed_by(&both) {
+                return Err(limit.refusal(both.bytes(), None));
+            }
+            share = both.bytes() / rows.bytes();
+        }
+        let mut room = Room::new(limit, n_rows);
+        each_block(n_rows, workers, progress, "conflicts", make, |block| {
+            room.take((share * block.bytes() as f64) as usize)?;
+            blocks.push(block);
+            Ok(())
+        })?;
+        Ok(Rows::new(blocks))
+    }
+}
+
+/// Bytes that the rows of a part will take; none where these are few.
+fn estimate<const D: usize>(
+    make: impl Fn(Range<usize>) -> Result<Block> + Sync + Send,
+    part: &Part<D>,
     workers: &Workers,
-    progress: &mut Progress<'_>,
-) -> Result<Rows> {
-    let n_rows = moving.grid().n_cells();
-    let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "the conflict graph")?;
-    // The columns will take about as much as the rows.
-    let mut room = Room::new("the conflict graph", n_rows, options.max_bytes);
-    let make = |rows| dispatch(Overlaps { swathes, moving, still, rows });
-    each_block(n_rows, workers, progress, "conflicts", make, |block| {
-        room.take(2 * block.bytes())?;
-        blocks.push(block);
-        Ok(())
-    })?;
-    Ok(Rows::new(blocks))
+) -> Result<Option<Estimate>> {
+    let runs = Estimate::of(part.allowed(), workers, |i| Ok(make(i..i + 1)?.bytes_of_runs()))?;
+    Ok(runs.map(|runs| runs.and(4.0 * part.grid().n_cells() as f64)))
 }
 
 /// The rows of some cells.
@@ -233,7 +276,7 @@ struct Overlaps<'a, const D: usize> {
     swathes: &'a Swathes<D>,
     moving: &'a Part<D>,
     still: &'a Part<D>,
-    rows: std::ops::Range<usize>,
+    rows: Range<usize>,
 }
 
 impl<const D: usize> Kernel for Overlaps<'_, D> {
@@ -249,6 +292,6 @@ impl<const D: usize> Kernel for Overlaps<'_, D> {
             }
             block.push_row(|run| marks.take_runs(allowed, run))?;
         }
-        Ok(block)
+        Ok(block.settled())
     }
 }

@@ -54,7 +54,7 @@ pub fn contact<const D: usize>(
     if let Some(k) = (0..2).find(|&k| pair.cells[k].iter().next().is_none()) {
         return Err(Error::Degenerate(format!("part {} has no cells: there is no gap to measure", k + 1)));
     }
-    let steps = relative.even_steps(n_times)?;
+    let steps = relative.even_steps_of_period(n_times)?;
     let map = DistanceMap::new(grids[0], &pair.cells[Side::First.index()])?;
     let numbers: Vec<usize> = boundary(grids[1], &pair.cells[1]).collect();
     let boundary: Vec<[f64; D]> = numbers.iter().map(|&j| grids[1].center(j)).collect();
@@ -62,12 +62,16 @@ pub fn contact<const D: usize>(
     let mut gaps: Vec<Gap<D>> = try_with_capacity(n_times, "gaps")?;
     // As many at a time as make a parcel of work.
     let many = 64;
-    for from in (0..n_times).step_by(many) {
-        progress.tell(from as f64 / n_times as f64, "contact")?;
-        gaps.extend(workers.map(many.min(n_times - from), |k| {
+    for from in (0..steps.len()).step_by(many) {
+        progress.tell(from as f64 / steps.len() as f64, "contact")?;
+        gaps.extend(workers.map(many.min(steps.len() - from), |k| {
             let step = &steps[from + k];
             search.nearest(step.time, &step.pose)
         }));
+    }
+    // The other periods are like the first.
+    for k in steps.len()..n_times {
+        gaps.push(Gap { time: (2 * k + 1) as f64 * (0.5 / n_times as f64), ..gaps[k - steps.len()] });
     }
     let largest = gaps.iter().map(|g| g.distance).fold(0.0, f64::max);
     let mean = gaps.iter().map(|g| g.distance).sum::<f64>() / gaps.len() as f64;

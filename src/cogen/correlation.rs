@@ -11,9 +11,10 @@
 
 use super::bits::Bits;
 use super::conflict::{Conflicts, Side};
+use super::foresight::{Estimate, Limit};
 use super::parcels::BLOCK;
 use super::part::Part;
-use super::steps::Relative;
+use super::steps::{Relative, Step};
 use super::trajectory::Trajectories;
 use crate::error::try_vec;
 use crate::geometry::vec::number;
@@ -33,6 +34,8 @@ pub struct Correlation<const D: usize> {
     /// eps^D of each part.
     measures: [f64; 2],
     n_steps: usize,
+    /// Steps of a period: those that are looked at.
+    n_in_period: usize,
 }
 
 /// How both parts collide as a whole: (29) and (30).
@@ -45,7 +48,9 @@ pub struct Measures {
 }
 
 impl<const D: usize> Correlation<D> {
-    /// For parts in relative motion, tau_12 being `relative`; `n_steps` is the paper's K.
+    /// For parts in relative motion, tau_12 being `relative`; `n_steps` is the paper's K. Of motions that repeat themselves, with as many steps
+    /// each time, one period is looked at. The error tells of what would take more than `max_bytes`, and what would fit: before it is made,
+    /// from a sample of the trajectories.
     pub fn new(
         parts: [&Part<D>; 2],
         relative: &Relative<D>,
@@ -54,13 +59,32 @@ impl<const D: usize> Correlation<D> {
         workers: &Workers,
         progress: &mut Progress<'_>,
     ) -> Result<Self> {
-        let there = relative.reversed().even_steps(n_steps)?;
-        let back = relative.even_steps(n_steps)?;
-        let first = Trajectories::new(&there, parts[1], parts[0], max_bytes, workers, progress)?;
+        let there = relative.reversed().even_steps_of_period(n_steps)?;
+        let back = relative.even_steps_of_period(n_steps)?;
+        // Half as large cells are 2^D as many, of which each visits twice as many if steps are not too few for that.
+        let limit = Limit::new("the trajectories", max_bytes, parts.map(Part::grid), D);
+        let estimate = |there: &[Step<D>], back: &[Step<D>]| -> Result<Estimate> {
+            let first = Trajectories::estimate(there, parts[1], parts[0], workers)?;
+            Ok(first.plus(&Trajectories::estimate(back, parts[0], parts[1], workers)?))
+        };
+        let foreseen = estimate(&there, &back)?;
+        if limit.is_passed_by(&foreseen) {
+            // Fewer and fewer of the steps, until they fit.
+            let mut n = there.len() * 4 / 5;
+            let some = |steps: &[Step<D>], n: usize| (0..n).map(|k| steps[k * steps.len() / n]).collect::<Vec<_>>();
+            while n > 1 && estimate(&some(&there, n), &some(&back, n))?.bytes() > max_bytes as f64 {
+                n = n * 4 / 5;
+            }
+            let fitting = if n > 1 { Some(n * n_steps / there.len()) } else { None };
+            return Err(limit.refusal(foreseen.bytes(), fitting));
+        }
+        let first = Trajectories::new(&there, parts[1], parts[0], limit, workers, progress)?;
         let left = max_bytes.saturating_sub(first.bytes() as u64);
-        let second = Trajectories::new(&back, parts[0], parts[1], left, workers, progress)?;
+        let limit = Limit::new("the trajectories", left, parts.map(Part::grid), D);
+        let second = Trajectories::new(&back, parts[0], parts[1], limit, workers, progress)?;
         let measures = parts.map(|p| p.grid().measure());
-        Ok(Correlation { of: [first, second], allowed: parts.map(|p| p.allowed().clone()), measures, n_steps })
+        let allowed = parts.map(|p| p.allowed().clone());
+        Ok(Correlation { of: [first, second], allowed, measures, n_steps, n_in_period: there.len() })
     }
 
     /// K
@@ -68,7 +92,7 @@ impl<const D: usize> Correlation<D> {
         self.n_steps
     }
 
-    /// Visits of both parts' centres.
+    /// Visits of both parts' centres, in one period.
     pub fn n_visits(&self) -> usize {
         self.of.iter().map(Trajectories::n_visits).sum()
     }
@@ -116,7 +140,7 @@ impl<const D: usize> Correlation<D> {
     /// l_{2,1} of (12) for `Side::First`, l_{1,2} of (13) for the other: for the centre of each cell of part `side`, the fraction of the
     /// motion that it is in the other part, of `density`. Into `out`.
     pub fn local(&self, side: Side, density: &[f64], out: &mut [f64], workers: &Workers) {
-        let (of, share) = (&self.of[side.index()], 1.0 / self.n_steps as f64);
+        let (of, share) = (&self.of[side.index()], 1.0 / self.n_in_period as f64);
         workers.for_each(out.chunks_mut(BLOCK).enumerate(), |(block, out)| {
             for (k, sum) in out.iter_mut().enumerate() {
                 let mut total = 0.0;
@@ -129,7 +153,7 @@ impl<const D: usize> Correlation<D> {
     /// For each cell of the other part, how much of part `side`, of `density`, passes through it: the sum of densities, times the fraction
     /// of the motion that their centres are in it. Into `out`.
     fn spread(&self, side: Side, density: &[f64], out: &mut [f64], workers: &Workers) -> Result<()> {
-        let (of, share) = (&self.of[side.index()], 1.0 / self.n_steps as f64);
+        let (of, share) = (&self.of[side.index()], 1.0 / self.n_in_period as f64);
         let rows = of.n_rows().div_ceil(PARTS).max(1);
         let sums = workers.map(PARTS, |part| -> Result<Vec<f64>> {
             let mut sum = try_vec(out.len(), 0.0, "partial sums of a collision measure")?;

@@ -91,7 +91,7 @@ pub(super) fn check<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2],
 }
 
 /// Numbers for a message, to six digits.
-fn brief<const N: usize>(x: [f64; N]) -> [f64; N] {
+pub(super) fn brief<const N: usize>(x: [f64; N]) -> [f64; N] {
     x.map(|x| format!("{x:.5e}").parse().unwrap_or(x))
 }
 

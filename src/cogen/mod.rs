@@ -10,6 +10,7 @@
 //! | cells, (A.2); densities, (A.3) | [`grid`], [`part`]; [`fraction`] |
 //! | correlation weights, (A.14) to (A.17) | `trajectory` |
 //! | measures, (12) to (15) and (27) to (30); sensitivities, (31), (32) | [`correlation`] |
+//! | topological sensitivities, appendix B | [`topological`] |
 //! | initially colliding subdomains, (33) to (36) | [`Correlation::colliding`] |
 //! | (37) to (43), Algorithm 1; Svanberg 1987, moving asymptotes | [`mod@optimise`]; [`mma`] |
 //! | Definition 2, maximal pairs | [`closure`] |
@@ -43,6 +44,7 @@ mod cube;
 pub mod cut;
 pub mod family;
 mod flow;
+mod foresight;
 pub mod fraction;
 pub mod frozen;
 pub mod grid;
@@ -54,12 +56,14 @@ mod parcels;
 pub mod part;
 mod proximal;
 mod rows;
+mod sampled;
 mod separation;
 pub mod steps;
 pub mod sweep;
 mod swept_box;
 pub mod symmetry;
 mod ties;
+pub mod topological;
 mod trajectory;
 
 pub use assembly::{ArrangeOptions, Arrangement, Assembly};
@@ -75,8 +79,14 @@ pub use grid::Grid;
 pub use motion::{Law, Motion, Wave};
 pub use optimise::{Design, OptimiseOptions, Optimised, optimise};
 pub use part::{Cell, Part};
+pub use sampled::SpeedLimit;
 pub use steps::{Relative, Sampling};
 pub use symmetry::{Folded, Symmetry};
+pub use topological::Change;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_limits;
+#[cfg(test)]
+mod tests_periods;

@@ -6,6 +6,7 @@
 //! Each motion gives velocities, and bounds from which it follows how far points go between two times: with o a fixed point of the world, a
 //! point P has the velocity u(t) + W(t) (P - o), |W| <= turn, |W'| <= turn_rate, |u| <= drift, |u'| <= drift_rate.
 
+use crate::error::try_with_capacity;
 use crate::geometry::rigid::{Rigid, Twist};
 use crate::geometry::vec::{add, is_finite, norm, number, scale, sub};
 use crate::{Error, Result};
@@ -89,6 +90,21 @@ impl Law {
         })
     }
 
+    /// As [`Motion::n_periods`]: the even part has to come to whole turns, of a screw without a slide, and waves to whole ones.
+    fn n_periods<const D: usize>(&self, twist: &Twist<D>) -> u64 {
+        let turns = self.slope.abs() * twist.rate() / TAU;
+        let slides = twist.slide() > 8.0 * f64::EPSILON * norm(twist.drift);
+        let even = if self.slope == 0.0 {
+            0
+        } else if slides {
+            1
+        } else {
+            whole(turns).unwrap_or(1)
+        };
+        let waves = self.waves.iter().filter(|w| w.amplitude != 0.0).map(|w| whole(w.cycles.abs()).unwrap_or(1));
+        waves.fold(even, gcd)
+    }
+
     fn check(&self) -> Result<()> {
         let (_, second) = self.bounds();
         let phases: f64 = self.waves.iter().map(|w| w.phase.abs()).sum();
@@ -128,17 +144,24 @@ impl<const D: usize> Motion<D> {
     }
 
     /// The screw interpolation of `poses` at even times from 0 to 1: from each to the next by the screw of the smallest turn. Samples have
-    /// to be so dense that no turn comes near pi.
+    /// to be so dense that no turn comes near pi. The error tells which pose is not finite or not rigid. A leap from one place to another is a
+    /// fast move, which nothing gets through: [`Motion::of_function`] refuses one beyond a speed.
     pub fn sampled(poses: Vec<Rigid<D>>) -> Result<Self> {
         if poses.len() < 2 {
             return Err(Error::InvalidArgument(format!("a motion of {} poses; it takes 2 at least", poses.len())));
         }
+        let mut checked = try_with_capacity(poses.len(), "a motion's poses")?;
+        for (k, pose) in poses.into_iter().enumerate() {
+            checked
+                .push(Rigid::new(pose.turn, pose.shift).map_err(|e| Error::InvalidArgument(format!("pose {k}: {e}")))?);
+        }
+        let poses: Vec<Rigid<D>> = checked;
         let n = (poses.len() - 1) as f64;
         let mut twists = Vec::with_capacity(poses.len() - 1);
         for (k, pair) in poses.windows(2).enumerate() {
             let twist = pair[1].after(&pair[0].inverse()).log();
             if !(is_finite(&twist.drift) && is_finite(twist.turn.as_flattened())) {
-                return Err(Error::InvalidArgument(format!("pose {} has a number that is not finite", k + 1)));
+                return Err(Error::InvalidArgument(format!("from pose {k} to pose {} the part goes too far", k + 1)));
             }
             if twist.rate() > MOST_TURN {
                 return Err(Error::InvalidArgument(format!(
@@ -198,6 +221,18 @@ impl<const D: usize> Motion<D> {
                 b.knots(times);
             }
             Kind::Inverse(a) => a.knots(times),
+        }
+    }
+
+    /// How often the motion repeats itself as t goes from 0 to 1: tau(t + 1 / n) = tau(t) for this n and its divisors; 0 where nothing moves,
+    /// which any n holds for. Samples are not looked at: they count as 1.
+    pub fn n_periods(&self) -> u64 {
+        match &*self.0 {
+            Kind::Fixed(_) => 0,
+            Kind::Along(twist, law) => law.n_periods(twist),
+            Kind::Sampled(..) => 1,
+            Kind::Product(a, b) => gcd(a.n_periods(), b.n_periods()),
+            Kind::Inverse(a) => a.n_periods(),
         }
     }
 
@@ -280,6 +315,17 @@ impl Motion<3> {
     }
 }
 
+/// The whole number that `x` is to rounding, if it is one.
+fn whole(x: f64) -> Option<u64> {
+    let n = x.round();
+    ((x - n).abs() <= 4.0 * f64::EPSILON * x && n <= 1e9).then_some(n as u64)
+}
+
+/// The greatest common divisor; 0 and n have n.
+pub(super) fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
 /// A sampled motion turns by at most this from one pose to the next, in radians.
 const MOST_TURN: f64 = 3.0;
 
@@ -341,9 +387,50 @@ mod tests {
     }
 
     #[test]
+    fn motions_know_how_often_they_repeat_themselves() {
+        let wave = |cycles| Wave { amplitude: 0.3, cycles, phase: 0.4 };
+        let law = |turns: f64, waves: &[f64]| Law {
+            offset: 0.1,
+            slope: turns * TAU,
+            waves: waves.iter().map(|&c| wave(c)).collect(),
+        };
+        let turn = |law| Motion::<3>::screw([1.0, 0.3, 0.5], [0.2, 1.0, -0.4], 0.0, law).unwrap();
+        let screw = Motion::<3>::screw([1.0, 0.3, 0.5], [0.2, 1.0, -0.4], 0.1, law(6.0, &[])).unwrap();
+        let slide = |law| Motion::slide([0.1, 0.2, 0.3], law).unwrap();
+        let samples = Motion::sampled(vec![Rigid::IDENTITY; 3]).unwrap();
+        for (motion, n) in [
+            (Motion::fixed(), 0),
+            (turn(law(6.0, &[])), 6),
+            (turn(law(-6.0, &[4.0])), 2),
+            (turn(law(6.5, &[])), 1),
+            (turn(law(0.0, &[9.0, 6.0])), 3),
+            (turn(law(0.0, &[0.5])), 1),
+            (screw, 1),
+            (slide(law(0.0, &[8.0])), 8),
+            (slide(law(1.0, &[])), 1),
+            (slide(law(0.0, &[8.0])).times(&turn(law(12.0, &[]))), 4),
+            (slide(law(0.0, &[8.0])).times(&samples), 1),
+            (turn(law(6.0, &[])).inverse(), 6),
+        ] {
+            assert_eq!(motion.n_periods(), n, "{motion:?}");
+            let n = n.max(1) as f64;
+            for t in [0.0, 0.03, 0.2] {
+                for k in 0..n as usize {
+                    let (p, late) = ([0.3, -0.8, 0.1], t / n + k as f64 / n);
+                    assert!(norm(sub(motion.at(t / n).apply(p), motion.at(late).apply(p))) < 1e-13, "{motion:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn what_is_no_motion_is_refused() {
         let pose = |w: f64| Twist { turn: [[0.0, -w], [w, 0.0]], drift: [0.0; 2] }.exp();
         let told = |poses| Motion::<2>::sampled(poses).unwrap_err().to_string();
+        let bent = Rigid { turn: [[1.0, 0.2], [0.0, 1.0]], shift: [0.0; 2] };
+        assert!(told(vec![pose(0.0), pose(0.1), bent]).contains("pose 2: the pose is not rigid"));
+        let nowhere = Rigid { shift: [0.0, f64::NAN], ..pose(0.0) };
+        assert!(told(vec![nowhere, pose(0.1)]).contains("pose 0: an entry of the pose is not finite"));
         assert!(told(vec![pose(0.0)]).contains("2 at least"));
         assert!(told(vec![pose(0.0), pose(1.0), pose(4.1)]).contains("from pose 1 to pose 2"));
         let nan = Law { slope: f64::NAN, ..Law::default() };

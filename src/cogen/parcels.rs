@@ -1,8 +1,9 @@
 //! Work on blocks of cells, a few at a time: so that progress is told, and what grows too large is noticed early.
 
+use super::foresight::Limit;
+use crate::Result;
 use crate::par::Workers;
 use crate::progress::Progress;
-use crate::{Error, Result};
 use std::ops::Range;
 
 /// Cells of a block.
@@ -39,27 +40,25 @@ pub fn each_block<T: Send>(
 
 /// What has been made so far takes up, and what all of it may.
 pub struct Room {
-    what: &'static str,
+    limit: Limit,
     n_blocks: usize,
     made: usize,
     bytes: usize,
-    most: u64,
 }
 
 impl Room {
-    /// For `what` of as many cells, which may take `most` bytes.
-    pub fn new(what: &'static str, n_cells: usize, most: u64) -> Self {
-        Room { what, n_blocks: n_blocks(n_cells), made: 0, bytes: 0, most }
+    /// For what `limit` is of, of as many cells.
+    pub fn new(limit: Limit, n_cells: usize) -> Self {
+        Room { limit, n_blocks: n_blocks(n_cells), made: 0, bytes: 0 }
     }
 
     /// Counts a block more; the error tells what all would take if the others are like those so far.
     pub fn take(&mut self, bytes: usize) -> Result<()> {
         self.made += 1;
         self.bytes += bytes;
-        if self.bytes as u64 <= self.most {
+        if self.bytes as u64 <= self.limit.most() {
             return Ok(());
         }
-        let bytes = self.bytes as u128 * self.n_blocks as u128 / self.made as u128;
-        Err(Error::OutOfMemory { what: self.what.into(), bytes, limit: Some(self.most.into()) })
+        Err(self.limit.refusal(self.bytes as f64 * self.n_blocks as f64 / self.made as f64, None))
     }
 }

@@ -37,6 +37,17 @@ impl Block {
         4 * (self.runs.capacity() + self.ends.capacity())
     }
 
+    /// Bytes of the runs alone.
+    pub fn bytes_of_runs(&self) -> usize {
+        4 * self.runs.len()
+    }
+
+    /// The same rows, without room for more.
+    pub fn settled(mut self) -> Self {
+        self.runs.shrink_to_fit();
+        self
+    }
+
     /// Puts a row behind the others: `each` calls what it is given for each run, in order.
     pub fn push_row(
         &mut self,
@@ -132,7 +143,7 @@ impl Rows {
                         cells.chunk_by(|a, b| a + 1 == *b).try_for_each(|c| run(c[0] as usize..c[0] as usize + c.len()))
                     })?;
                 }
-                Ok(block)
+                Ok(block.settled())
             });
             for block in made {
                 blocks.push(block?);

@@ -18,6 +18,7 @@ use super::bits::Marks;
 use super::grid::Grid;
 use super::steps::{Relative, Sampling, Step};
 use crate::dimension::OfDimension;
+use crate::error::try_with_capacity;
 use crate::geometry::matrix::{Matrix, applied, diagonal, scaled, transposed};
 use crate::geometry::vec::{Vec3, add, cross, dot, norm, number, scale, sub};
 use crate::{Error, Result};
@@ -46,9 +47,9 @@ impl<const D: usize> Swathes<D> {
         }
         let steps = relative.bounded_steps(sampling, still, moving)?;
         let steps = if D == 2 {
-            OfDimension::Plane(steps.iter().map(|s| Separation::new(s, still, moving, clearance)).collect())
+            OfDimension::Plane(ready(&steps, still, moving, clearance)?)
         } else {
-            OfDimension::Space(steps.iter().map(|s| Separation::new(s, still, moving, clearance)).collect())
+            OfDimension::Space(ready(&steps, still, moving, clearance)?)
         };
         Ok(Swathes { steps, counts: still.counts() })
     }
@@ -61,6 +62,17 @@ impl<const D: usize> Swathes<D> {
             OfDimension::Space(steps) => steps.iter().for_each(|step| step.mark(x, self.counts, marks)),
         }
     }
+}
+
+fn ready<const D: usize, const N: usize>(
+    steps: &[Step<D>],
+    still: &Grid<D>,
+    moving: &Grid<D>,
+    clearance: f64,
+) -> Result<Vec<Separation<D, N>>> {
+    let mut ready = try_with_capacity(steps.len(), "steps of time")?;
+    ready.extend(steps.iter().map(|s| Separation::new(s, still, moving, clearance)));
+    Ok(ready)
 }
 
 /// A step made ready: D dimensions, N axes, of which the first D are the staying grid's own, and places for those with v at the end.

@@ -10,7 +10,8 @@
 //! is at any time within follows to second order.
 
 use super::grid::Grid;
-use super::motion::{Motion, RateBound};
+use super::motion::{Motion, RateBound, gcd};
+use crate::error::{try_reserve, try_with_capacity};
 use crate::geometry::rigid::{Rigid, Twist};
 use crate::geometry::vec::{norm, number, sub};
 use crate::{Error, Result};
@@ -68,18 +69,53 @@ impl<const D: usize> Relative<D> {
         Relative { from: self.of.clone(), of: self.from.clone() }
     }
 
+    /// How often both motions repeat themselves together as t goes from 0 to 1: one period of them shows all that happens.
+    pub fn n_periods(&self) -> usize {
+        gcd(self.from.n_periods(), self.of.n_periods()).clamp(1, 1 << 30) as usize
+    }
+
+    /// Those of `n` even steps that lie in the first of as many equal pieces of the motion as all have the same steps.
+    pub fn even_steps_of_period(&self, n: usize) -> Result<Vec<Step<D>>> {
+        self.first_even_steps(n, n / gcd(n as u64, self.n_periods() as u64).max(1) as usize)
+    }
+
     /// `n` even steps, the paper's t_k = (k + 1/2) / K, without bounds.
     pub fn even_steps(&self, n: usize) -> Result<Vec<Step<D>>> {
+        self.first_even_steps(n, n)
+    }
+
+    /// The first `some` of them.
+    fn first_even_steps(&self, n: usize, some: usize) -> Result<Vec<Step<D>>> {
         if n == 0 || n > MOST_STEPS {
             return Err(Error::InvalidArgument(format!("{n} steps of time; it must be 1 to {MOST_STEPS}")));
         }
         let half = 0.5 / n as f64;
-        (0..n).map(|k| self.step((2 * k + 1) as f64 * half, half, f64::INFINITY)).collect()
+        let mut steps = try_with_capacity(some, "steps of time")?;
+        for k in 0..some {
+            steps.push(self.step((2 * k + 1) as f64 * half, half, f64::INFINITY)?);
+        }
+        Ok(steps)
     }
 
-    /// Steps that no jump of velocities lies in, with bounds for points of the grid `moving` in that of `still`.
+    /// Steps that no jump of velocities lies in, with bounds for points of the grid `moving` in that of `still`: of one period.
     pub fn bounded_steps(&self, sampling: Sampling, still: &Grid<D>, moving: &Grid<D>) -> Result<Vec<Step<D>>> {
-        let mut knots = vec![0.0, 1.0];
+        self.bounded_steps_of(self.n_periods(), sampling, still, moving)
+    }
+
+    /// The same for the first of `n` equal pieces of the motion, which are alike and have no jumps if there are several.
+    fn bounded_steps_of(
+        &self,
+        n: usize,
+        sampling: Sampling,
+        still: &Grid<D>,
+        moving: &Grid<D>,
+    ) -> Result<Vec<Step<D>>> {
+        let sampling = match sampling {
+            // As many in each piece.
+            Sampling::Steps(k) => Sampling::Steps(k.div_ceil(n).saturating_mul(n)),
+            slack => slack,
+        };
+        let mut knots = vec![0.0, 1.0 / n as f64];
         self.from.knots(&mut knots);
         self.of.knots(&mut knots);
         knots.sort_by(f64::total_cmp);
@@ -95,6 +131,7 @@ impl<const D: usize> Relative<D> {
                 )));
             }
             let half = 0.5 * length / n as f64;
+            try_reserve(&mut steps, n, "steps of time")?;
             for k in 0..n {
                 let time = from + (2 * k + 1) as f64 * half;
                 let acceleration = self.acceleration(time, half, still, moving);

@@ -5,6 +5,7 @@
 //! several visits.
 
 use super::bits::Bits;
+use super::foresight::{Estimate, Limit};
 use super::grid::Grid;
 use super::parcels::{BLOCK, Room, each_block, n_blocks};
 use super::part::Part;
@@ -45,24 +46,19 @@ struct Placing<const D: usize> {
 
 impl<const D: usize> Trajectories<D> {
     /// Of the centres of the cells that `moving` may have in those that `still` may have, at the middle of each of `steps`; the error tells
-    /// when that would take more than `max_bytes`.
+    /// when that takes more than the limit.
     pub fn new(
         steps: &[Step<D>],
         still: &Part<D>,
         moving: &Part<D>,
-        max_bytes: u64,
+        limit: Limit,
         workers: &Workers,
         progress: &mut Progress<'_>,
     ) -> Result<Self> {
-        let cell = 1.0 / still.grid().cell();
-        let place = |step: &Step<D>| Placing {
-            linear: scaled(cell, &step.pose.turn),
-            shift: scale(cell, sub(step.pose.shift, still.grid().corner())),
-        };
-        let places: Vec<Placing<D>> = steps.iter().map(place).collect();
+        let places = places(steps, still.grid())?;
         let n_rows = moving.grid().n_cells();
         let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "trajectories")?;
-        let mut room = Room::new("the trajectories", n_rows, max_bytes);
+        let mut room = Room::new(limit, n_rows);
         let make = |rows| dispatch(Trace { places: &places, still, moving, rows });
         each_block(n_rows, workers, progress, "trajectories", make, |block| {
             room.take(block.bytes())?;
@@ -71,6 +67,14 @@ impl<const D: usize> Trajectories<D> {
         })?;
         let n_visits = blocks.iter().map(|b| b.n_visits).sum();
         Ok(Trajectories { blocks, n_rows, n_visits, moves: moves(still.grid()) })
+    }
+
+    /// What they will take.
+    pub fn estimate(steps: &[Step<D>], still: &Part<D>, moving: &Part<D>, workers: &Workers) -> Result<Estimate> {
+        let places = places(steps, still.grid())?;
+        let make = |rows| dispatch(Trace { places: &places, still, moving, rows });
+        let codes = Estimate::of(moving.allowed(), workers, |i| Ok(make(i..i + 1)?.codes.len()))?;
+        Ok(codes.unwrap_or_default().and(4.0 * moving.grid().n_cells() as f64))
     }
 
     /// Centres.
@@ -107,6 +111,17 @@ impl<const D: usize> Trajectories<D> {
             visit(cell as usize, stay);
         }
     }
+}
+
+/// Steps made ready for a grid.
+fn places<const D: usize>(steps: &[Step<D>], still: &Grid<D>) -> Result<Vec<Placing<D>>> {
+    let cell = 1.0 / still.cell();
+    let mut places = try_with_capacity(steps.len(), "steps of time")?;
+    places.extend(steps.iter().map(|step| Placing {
+        linear: scaled(cell, &step.pose.turn),
+        shift: scale(cell, sub(step.pose.shift, still.corner())),
+    }));
+    Ok(places)
 }
 
 impl Block {
@@ -149,6 +164,7 @@ impl<const D: usize> Kernel for Trace<'_, D> {
             }
             block.ends.push(u32::try_from(block.codes.len()).map_err(|_| too_long())?);
         }
+        block.codes.shrink_to_fit();
         Ok(block)
     }
 }
