@@ -22,6 +22,7 @@
 //! | symmetric pairs | [`symmetry`] |
 //! | more than two parts; Nemhauser and Trotter 1975, the bound | [`assembly`]; `swept_box` |
 //! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`mod@contact`] |
+//! | meshes of parts; Gibson 1998, surface nets | [`boundary`]; `relax` |
 //!
 //! Where we depart from the paper, beyond what the pages of these say. Its measure looks at centres of cells at sampled times, so that pairs for
 //! which it is 0 still overlap: conflicts are by default those of whole cells at all times ([`Conflicts::of_overlap`]), and the measure's own are
@@ -36,6 +37,7 @@
 
 pub mod assembly;
 pub mod bits;
+pub mod boundary;
 pub mod closure;
 pub mod conflict;
 pub mod contact;
@@ -55,6 +57,7 @@ pub mod optimise;
 mod parcels;
 pub mod part;
 mod proximal;
+mod relax;
 mod rows;
 mod sampled;
 mod separation;
@@ -68,6 +71,7 @@ mod trajectory;
 
 pub use assembly::{ArrangeOptions, Arrangement, Assembly};
 pub use bits::Bits;
+pub use boundary::{BoundaryOptions, Within, mesh_of_cells, mesh_of_densities};
 pub use closure::{Pair, close, room};
 pub use conflict::{Conflicts, OverlapOptions, Side};
 pub use contact::{Contact, Gap, contact};
@@ -86,6 +90,8 @@ pub use topological::Change;
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_boundary;
 #[cfg(test)]
 mod tests_limits;
 #[cfg(test)]
