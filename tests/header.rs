@@ -25,6 +25,12 @@ fn generated() -> Vec<u8> {
         "body",
         "constraints",
         "formulations",
+        "motion",
+        "part",
+        "pair_options",
+        "sweep",
+        "pair",
+        "pair_shapes",
     ];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))
@@ -67,6 +73,7 @@ fn the_header_tells_the_defaults_of_the_code() {
     let n = keepout::geometry::orient::NormalOptions::default();
     let s = keepout::geometry::smooth::SmoothOptions::default();
     let c = keepout::field::CertifyOptions::default();
+    let o = keepout::cogen::OptimiseOptions::default();
     let e = keepout::constraint::formulations::ExplicitOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
@@ -85,6 +92,10 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("max_boxes", c.max_boxes as f64),
         ("softening", e.softening),
         ("exponent", f64::from(e.exponent)),
+        ("slack", 0.05),
+        ("gap", keepout::cogen::FamilyOptions::default().gap),
+        ("gamma", o.gamma),
+        ("feasibility", o.feasibility),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");

@@ -7,6 +7,7 @@
 use super::bits::Bits;
 use super::conflict::{Conflicts, Side};
 use super::frozen;
+use super::grid::Grid;
 use super::part::Part;
 use super::steps::Relative;
 use crate::Result;
@@ -28,6 +29,12 @@ impl Pair {
     pub fn count(&self, side: Side) -> usize {
         self.cells[side.index()].count()
     }
+}
+
+/// Of two sets that with the larger area or volume, part 1's where they are equal.
+pub fn larger<const D: usize>(grids: [&Grid<D>; 2], sets: [&Bits; 2]) -> Side {
+    let volume = |k: usize| sets[k].count() as f64 * grids[k].measure();
+    if volume(0) >= volume(1) { Side::First } else { Side::Second }
 }
 
 /// The cells that each part may have beside those that the other must: A_1 \ N(frozen_2), A_2 \ N(frozen_1). The error tells of frozen cells

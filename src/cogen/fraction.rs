@@ -31,6 +31,40 @@ pub enum Solid<const D: usize> {
 }
 
 impl<const D: usize> Solid<D> {
+    /// Refuses a solid with a number that is not finite, a box whose corners are the wrong way round, a radius that is not above 0, and ends of a
+    /// cylinder that are one point.
+    pub fn check(&self) -> Result<()> {
+        let (numbers, radius) = match self {
+            Solid::Box(Bounds { min, max }) => ([*min, *max], 1.0),
+            Solid::Ball { center, radius } => ([*center; 2], *radius),
+            Solid::Cylinder { ends, radius } => (*ends, *radius),
+        };
+        if let Some(x) = numbers.as_flattened().iter().find(|x| !x.is_finite()) {
+            return Err(Error::InvalidArgument(format!(
+                "a coordinate of the solid is {}; it must be finite",
+                number(*x)
+            )));
+        }
+        if !(radius > 0.0 && radius.is_finite()) {
+            let text = format!("the radius is {}; it must be above 0 and finite", number(radius));
+            return Err(Error::InvalidArgument(text));
+        }
+        match self {
+            Solid::Box(Bounds { min, max }) => match (0..D).find(|&a| min[a] >= max[a]) {
+                Some(a) => Err(Error::InvalidArgument(format!(
+                    "along axis {a} the box goes from {} to {}; its end must be above its beginning",
+                    number(min[a]),
+                    number(max[a])
+                ))),
+                None => Ok(()),
+            },
+            Solid::Cylinder { ends: [a, b], .. } if norm(sub(*a, *b)) == 0.0 => {
+                Err(Error::InvalidArgument("both ends of the cylinder are one point; they must differ".into()))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Distance of `p` to the surface, negative inside.
     pub fn signed_distance(&self, p: [f64; D]) -> f64 {
         match *self {
@@ -124,6 +158,7 @@ pub fn fractions_of_solid<const D: usize>(
     out: &mut [f64],
     workers: &Workers,
 ) -> Result<()> {
+    solid.check()?;
     let values = |points: &[[f64; D]], values: &mut [f64]| {
         values.iter_mut().zip(points).for_each(|(v, p)| *v = solid.signed_distance(*p));
         Ok(())

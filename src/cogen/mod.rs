@@ -16,6 +16,7 @@
 //! | Definition 2, maximal pairs | [`closure`] |
 //! | overlap of moving cells, none missed | `separation` |
 //! | pairs as independent sets of a bipartite graph; the best as a minimum cut | [`conflict`], `rows`; [`mod@cut`] |
+//! | weights of cells as whole numbers | [`weights`] |
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
 //! | (25), (26), the family over gamma | [`mod@family`] |
@@ -68,11 +69,12 @@ pub mod symmetry;
 mod ties;
 pub mod topological;
 mod trajectory;
+pub mod weights;
 
 pub use assembly::{ArrangeOptions, Arrangement, Assembly};
 pub use bits::Bits;
 pub use boundary::{BoundaryOptions, Within, mesh_of_cells, mesh_of_densities};
-pub use closure::{Pair, close, room};
+pub use closure::{Pair, close, larger, room};
 pub use conflict::{Conflicts, OverlapOptions, Side};
 pub use contact::{Contact, Gap, contact};
 pub use correlation::{Correlation, Measures};

@@ -157,7 +157,7 @@ impl<const D: usize> Motion<D> {
         }
         let poses: Vec<Rigid<D>> = checked;
         let n = (poses.len() - 1) as f64;
-        let mut twists = Vec::with_capacity(poses.len() - 1);
+        let mut twists = try_with_capacity(poses.len() - 1, "the motion's screws")?;
         for (k, pair) in poses.windows(2).enumerate() {
             let twist = pair[1].after(&pair[0].inverse()).log();
             if !(is_finite(&twist.drift) && is_finite(twist.turn.as_flattened())) {

@@ -50,6 +50,14 @@ impl<const D: usize> Part<D> {
         Ok(Part { grid, allowed, frozen: Bits::none(grid.n_cells())? })
     }
 
+    /// The same part with no more than `cells`.
+    pub fn within(&self, cells: &Bits) -> Self {
+        let mut part = self.clone();
+        part.allowed.intersect(cells);
+        part.frozen.intersect(cells);
+        part
+    }
+
     /// Its grid.
     pub fn grid(&self) -> &Grid<D> {
         &self.grid

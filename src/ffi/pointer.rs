@@ -147,6 +147,25 @@ pub(super) unsafe fn create<T>(out: *mut *mut T, name: &str, make: impl FnOnce()
     Ok(())
 }
 
+/// [`create`] of several objects that are made at once.
+///
+/// # Safety
+/// As for [`create`], of each.
+pub(super) unsafe fn create_all<T, const N: usize>(
+    outs: [(*mut *mut T, &str); N],
+    make: impl FnOnce() -> Result<[T; N]>,
+) -> Result<()> {
+    for (out, name) in outs {
+        // SAFETY: the caller's promise.
+        *unsafe { place(out, name) }? = std::ptr::null_mut();
+    }
+    for ((out, name), made) in outs.into_iter().zip(make()?) {
+        // SAFETY: as above.
+        *unsafe { place(out, name) }? = Box::into_raw(Box::new(made));
+    }
+    Ok(())
+}
+
 /// Frees an object made by [`create`]; NULL is taken.
 ///
 /// # Safety

@@ -13,6 +13,8 @@ pub const KO_OPEN_AT_BOX: i32 = 1;
 pub const KO_BUDGET_REACHED: i32 = 2;
 /// A success with a remark: the mesh bounds no solid, so that a certificate covers what is near it, and no side.
 pub const KO_SIDE_NOT_CERTIFIED: i32 = 3;
+/// A success with a remark: no cell of one part ever meets one of the other.
+pub const KO_NEVER_MEET: i32 = 4;
 /// An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
 pub const KO_ERR_INVALID_ARGUMENT: i32 = -1;
 /// The call would take more memory than its limit, or than the system gives.
@@ -78,6 +80,7 @@ pub extern "C" fn ko_status_string(status: i32) -> *const c_char {
         KO_OPEN_AT_BOX => c"KO_OPEN_AT_BOX",
         KO_BUDGET_REACHED => c"KO_BUDGET_REACHED",
         KO_SIDE_NOT_CERTIFIED => c"KO_SIDE_NOT_CERTIFIED",
+        KO_NEVER_MEET => c"KO_NEVER_MEET",
         KO_ERR_INVALID_ARGUMENT => c"KO_ERR_INVALID_ARGUMENT",
         KO_ERR_OUT_OF_MEMORY => c"KO_ERR_OUT_OF_MEMORY",
         KO_ERR_IO => c"KO_ERR_IO",

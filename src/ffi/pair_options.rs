@@ -1,0 +1,307 @@
+//! Options of `ko_pair` and of its calls.
+
+use super::guard::guard;
+use super::pointer::{Sized_, read_sized_or, write_sized};
+use super::progress::ko_progress;
+use crate::cogen::{FamilyOptions, OptimiseOptions, OverlapOptions, Sampling, Side};
+use crate::geometry::vec::number;
+use crate::{Error, Result};
+use std::ffi::c_void;
+
+/// Conflicts are those of whole cells at all times, none missed: parts without them never overlap.
+pub const KO_CONFLICTS_OF_OVERLAP: i32 = 0;
+/// Conflicts are those of the paper's measure, the nonzeros of w^12 and w^21: of cells' centres at `measure_steps` times. Parts without them may
+/// still overlap in between.
+pub const KO_CONFLICTS_OF_MEASURE: i32 = 1;
+/// No conflict graph: the pair serves measures and sensitivities alone.
+pub const KO_CONFLICTS_NONE: i32 = 2;
+
+/// Options of `ko_pair_create`, `ko_part_sweep` and `ko_part_unsweep`. Initialise by `ko_pair_options_init`, then set what shall differ.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_pair_options {
+    /// sizeof(ko_pair_options), set by ko_pair_options_init.
+    pub struct_size: usize,
+    /// How finely time is cut for overlaps, which are never missed: so that cells are kept apart by about this much of the smaller cell's edge
+    /// more than they must, at most. Above 0. Default 0.05.
+    pub slack: f64,
+    /// Even steps of time for overlaps instead; 0 (default): as many as `slack` asks for.
+    pub n_steps: u64,
+    /// K, the times (k + 1/2) / K at which centres of cells are looked at for the measures (A.14) to (A.17); 0 (default): no measures.
+    pub measure_steps: u64,
+    /// Distance that parts keep from each other at all times, in the unit of length, at least 0; with KO_CONFLICTS_OF_OVERLAP. Default 0.
+    pub clearance: f64,
+    /// Bytes that measures and graph may take; more is refused as soon as it is seen, with what it would take. Default 8 GiB.
+    pub max_bytes: u64,
+    /// A KO_CONFLICTS_ constant. Default KO_CONFLICTS_OF_OVERLAP.
+    pub conflicts: i32,
+    /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+    pub n_threads: u32,
+    /// Told of progress, or NULL (default).
+    pub progress: ko_progress,
+    /// Handed to `progress`.
+    pub progress_data: *mut c_void,
+}
+
+// SAFETY: repr(C), starts with a usize, and no padding, by the order of its fields (checked below). Every pattern of bits is a value:
+// `progress` may be any address, as in C, and is only ever called as the caller promised.
+unsafe impl Sized_ for ko_pair_options {
+    const FIRST_SIZE: usize = 2 * size_of::<usize>() + 48 + size_of::<ko_progress>();
+}
+
+const _: () = assert!(size_of::<ko_pair_options>() == <ko_pair_options as Sized_>::FIRST_SIZE);
+
+/// Options of `ko_pair_cut` and `ko_pair_family`. Initialise by `ko_family_options_init`, then set what shall differ.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_family_options {
+    /// sizeof(ko_family_options), set by ko_family_options_init.
+    pub struct_size: usize,
+    /// Pairs of a family are good enough at this fraction below the bound, in [0, 1); with 0 the convex hull of all pairs' volumes is looked for at
+    /// each gamma. A cut is exact whatever it is. Default 0.005.
+    pub gap: f64,
+    /// Told of progress, or NULL (default).
+    pub progress: ko_progress,
+    /// Handed to `progress`.
+    pub progress_data: *mut c_void,
+}
+
+// SAFETY: as above.
+unsafe impl Sized_ for ko_family_options {
+    const FIRST_SIZE: usize = 2 * size_of::<usize>() + 8 + size_of::<ko_progress>();
+}
+
+const _: () = assert!(size_of::<ko_family_options>() == <ko_family_options as Sized_>::FIRST_SIZE);
+
+/// Options of `ko_pair_optimise`. Initialise by `ko_optimise_options_init`, then set what shall differ.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_optimise_options {
+    /// sizeof(ko_optimise_options), set by ko_optimise_options_init.
+    pub struct_size: usize,
+    /// gamma of (37d), in [0, 1]: V_2 / (V_1 + V_2) of what is left of the colliding cells. Default 0.5.
+    pub gamma: f64,
+    /// It ends when an iteration changes less than this fraction of the colliding cells' volume; in (0, 1). Default 1e-4.
+    pub tolerance: f64,
+    /// What the measures may be at the end, as fractions of what they begin with, and the two sides of (37d), as one of the volume; in (0, 1).
+    /// Default 1e-3.
+    pub feasibility: f64,
+    /// Iterations, at most. Default 200.
+    pub max_iterations: u32,
+    /// The part from which closure begins, 1 or 2; 0 (default): that with the larger volume.
+    pub close_from: u32,
+    /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+    pub n_threads: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// Told of progress, or NULL (default).
+    pub progress: ko_progress,
+    /// Handed to `progress`.
+    pub progress_data: *mut c_void,
+}
+
+// SAFETY: as above.
+unsafe impl Sized_ for ko_optimise_options {
+    const FIRST_SIZE: usize = 2 * size_of::<usize>() + 40 + size_of::<ko_progress>();
+}
+
+const _: () = assert!(size_of::<ko_optimise_options>() == <ko_optimise_options as Sized_>::FIRST_SIZE);
+
+/// Fills `options` with the defaults. `struct_size` is sizeof *options.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_options_init(options: *mut ko_pair_options, struct_size: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a struct of this size.
+        unsafe { write_sized(options, struct_size, ko_pair_options::defaults(), "options") }
+    })
+}
+
+/// Fills `options` with the defaults. `struct_size` is sizeof *options.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_family_options_init(options: *mut ko_family_options, struct_size: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a struct of this size.
+        unsafe { write_sized(options, struct_size, ko_family_options::defaults(), "options") }
+    })
+}
+
+/// Fills `options` with the defaults. `struct_size` is sizeof *options.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_optimise_options_init(options: *mut ko_optimise_options, struct_size: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a struct of this size.
+        unsafe { write_sized(options, struct_size, ko_optimise_options::defaults(), "options") }
+    })
+}
+
+/// What the graph is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    Overlap,
+    Measure,
+    None,
+}
+
+impl ko_pair_options {
+    fn defaults() -> Self {
+        let d = OverlapOptions::default();
+        let slack = match d.sampling {
+            Sampling::Slack(slack) => slack,
+            Sampling::Steps(_) => unreachable!("the default is by slack"),
+        };
+        ko_pair_options {
+            struct_size: size_of::<ko_pair_options>(),
+            slack,
+            n_steps: 0,
+            measure_steps: 0,
+            clearance: d.clearance,
+            max_bytes: d.max_bytes,
+            conflicts: KO_CONFLICTS_OF_OVERLAP,
+            n_threads: d.n_threads,
+            progress: None,
+            progress_data: std::ptr::null_mut(),
+        }
+    }
+
+    /// The options at `pointer`, or the defaults for NULL.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
+    pub(super) unsafe fn read(pointer: *const Self) -> Result<Self> {
+        // SAFETY: the caller's promise.
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
+    }
+
+    pub(super) fn sampling(&self) -> Result<Sampling> {
+        Ok(match self.n_steps {
+            0 => Sampling::Slack(self.slack),
+            n => Sampling::Steps(count("n_steps", n)?),
+        })
+    }
+
+    pub(super) fn overlap(&self) -> Result<OverlapOptions> {
+        Ok(OverlapOptions {
+            sampling: self.sampling()?,
+            clearance: self.clearance,
+            max_bytes: self.max_bytes,
+            n_threads: self.n_threads,
+        })
+    }
+
+    /// K, 0 for no measures.
+    pub(super) fn measure_steps(&self) -> Result<usize> {
+        count("measure_steps", self.measure_steps)
+    }
+
+    pub(super) fn wanted(&self) -> Result<Wanted> {
+        let wanted = match self.conflicts {
+            KO_CONFLICTS_OF_OVERLAP => Wanted::Overlap,
+            KO_CONFLICTS_OF_MEASURE => Wanted::Measure,
+            KO_CONFLICTS_NONE => Wanted::None,
+            other => {
+                return Err(Error::InvalidArgument(format!(
+                    "conflicts is {other}; it must be a KO_CONFLICTS_ constant, 0 to 2"
+                )));
+            }
+        };
+        if wanted != Wanted::Overlap && self.measure_steps == 0 {
+            let text = "measure_steps is 0, which leaves nothing to make; it must be 1 at least, or conflicts those of overlap";
+            return Err(Error::InvalidArgument(text.into()));
+        }
+        if wanted != Wanted::Overlap && self.clearance != 0.0 {
+            let text =
+                format!("the clearance is {}; it must be 0 but with KO_CONFLICTS_OF_OVERLAP", number(self.clearance));
+            return Err(Error::InvalidArgument(text));
+        }
+        Ok(wanted)
+    }
+}
+
+impl ko_family_options {
+    fn defaults() -> Self {
+        ko_family_options {
+            struct_size: size_of::<ko_family_options>(),
+            gap: FamilyOptions::default().gap,
+            progress: None,
+            progress_data: std::ptr::null_mut(),
+        }
+    }
+
+    /// The options at `pointer`, or the defaults for NULL.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
+    pub(super) unsafe fn read(pointer: *const Self) -> Result<Self> {
+        // SAFETY: the caller's promise.
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
+    }
+
+    pub(super) fn to_family_options(self) -> FamilyOptions {
+        FamilyOptions { gap: self.gap }
+    }
+}
+
+impl ko_optimise_options {
+    fn defaults() -> Self {
+        let d = OptimiseOptions::default();
+        ko_optimise_options {
+            struct_size: size_of::<ko_optimise_options>(),
+            gamma: d.gamma,
+            tolerance: d.tolerance,
+            feasibility: d.feasibility,
+            max_iterations: d.max_iterations as u32,
+            close_from: 0,
+            n_threads: 0,
+            reserved: 0,
+            progress: None,
+            progress_data: std::ptr::null_mut(),
+        }
+    }
+
+    /// The options at `pointer`, or the defaults for NULL.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
+    pub(super) unsafe fn read(pointer: *const Self) -> Result<Self> {
+        // SAFETY: the caller's promise.
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
+    }
+
+    pub(super) fn to_optimise_options(self) -> Result<OptimiseOptions> {
+        if self.reserved != 0 {
+            return Err(Error::InvalidArgument(format!("reserved is {}; it must be 0", self.reserved)));
+        }
+        Ok(OptimiseOptions {
+            gamma: self.gamma,
+            max_iterations: self.max_iterations as usize,
+            tolerance: self.tolerance,
+            feasibility: self.feasibility,
+            from: side("close_from", self.close_from)?,
+        })
+    }
+}
+
+/// Part 1 or 2, none for 0.
+pub(super) fn side(name: &str, number: u32) -> Result<Option<Side>> {
+    match number {
+        0 => Ok(None),
+        1 => Ok(Some(Side::First)),
+        2 => Ok(Some(Side::Second)),
+        _ => Err(Error::InvalidArgument(format!(
+            "{name} is {number}; it must be 1 or 2, or 0 for the part with the larger volume"
+        ))),
+    }
+}
+
+fn count(name: &str, n: u64) -> Result<usize> {
+    usize::try_from(n).map_err(|_| Error::InvalidArgument(format!("{name} is {n}, more than there can be")))
+}

@@ -1,0 +1,477 @@
+//! Pairs of sets of cells that never collide: what `ko_pair` makes.
+
+use super::cells::{put, read_set};
+use super::guard::{guard, guard_with_remark};
+use super::pair::{Coupled, Graph, ko_pair};
+use super::pair_options::{ko_family_options, ko_optimise_options, side};
+use super::pointer::{Sized_, array, array_mut, check_sized, check_wanted_place, object, place, wanted, write_sized};
+use super::progress::{ko_progress, listener};
+use super::status::{KO_BUDGET_REACHED, KO_OK};
+use crate::cogen::weights::{MOST_OF_CUT, MOST_OF_FAMILY};
+use crate::cogen::{
+    Bits, CellWeights, Design, Optimised, Pair, Side, Weights, close, contact, cut, family, larger, optimise,
+};
+use crate::dimension::in_its_dimension;
+use crate::par::Workers;
+use crate::progress::Progress;
+use crate::Result;
+use std::ffi::c_void;
+
+/// What an optimisation found. Filled by `ko_pair_optimise`.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_optimise_report {
+    /// sizeof(ko_optimise_report) as the caller knows it.
+    pub struct_size: usize,
+    /// gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells.
+    pub gamma: f64,
+    /// Areas or volumes of what is left of the colliding cells of part 1 and 2 in the closed pair.
+    pub volumes: [f64; 2],
+    /// g_21 and g_12 of the last densities: 0 of the closed pair.
+    pub measures: [f64; 2],
+    /// The part of the colliding volume that the last iteration changed.
+    pub change: f64,
+    /// Iterations.
+    pub n_iterations: u32,
+    /// 1: the last change is below the tolerance. 0: KO_BUDGET_REACHED.
+    pub converged: i32,
+}
+
+// SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
+unsafe impl Sized_ for ko_optimise_report {
+    const FIRST_SIZE: usize = size_of::<usize>() + 6 * 8 + 8;
+}
+
+const _: () = assert!(size_of::<ko_optimise_report>() == <ko_optimise_report as Sized_>::FIRST_SIZE);
+
+impl<const D: usize> Coupled<D> {
+    /// The pair that one gets by keeping one of `sets`.
+    fn closed(&self, sets: [&Bits; 2], from: Option<Side>) -> Result<Pair> {
+        let Graph { conflicts, room, .. } = self.graph()?;
+        let from = from.unwrap_or_else(|| larger(self.parts.each_ref().map(|part| part.grid()), sets));
+        close(conflicts, room, from, sets[from.index()])
+    }
+
+    /// Areas or volumes of what is left of both parts' colliding cells, and gamma.
+    fn volumes(&self, sets: [&Bits; 2]) -> Result<([f64; 2], f64)> {
+        let colliding = &self.graph()?.colliding;
+        let volumes = [0, 1].map(|k| {
+            let mut left = sets[k].clone();
+            left.intersect(&colliding[k]);
+            left.count() as f64 * self.parts[k].grid().measure()
+        });
+        Ok((volumes, volumes[1] / (volumes[0] + volumes[1])))
+    }
+
+    /// Weights of all cells: those given, or areas and volumes.
+    fn weights(&self, given: [Option<&[f64]>; 2], most: u64) -> Result<CellWeights> {
+        let of = |k: usize| {
+            let grid = self.parts[k].grid();
+            given[k].map_or(Weights::Even { weight: grid.measure(), n_cells: grid.n_cells() }, Weights::Each)
+        };
+        CellWeights::new([of(0), of(1)], most)
+    }
+}
+
+/// Writes both sets.
+fn put_pair(pair: &Pair, outs: [&mut [u8]; 2]) {
+    pair.cells.iter().zip(outs).for_each(|(set, to)| put(set, to));
+}
+
+/// The arrays that a pair goes to.
+///
+/// # Safety
+/// Both are NULL or arrays of these lengths that no one else uses during `'a`.
+unsafe fn outputs<'a>(one: *mut u8, n_1: usize, two: *mut u8, n_2: usize) -> Result<[&'a mut [u8]; 2]> {
+    // SAFETY: the caller's promise.
+    unsafe { Ok([array_mut(one, n_1, "cells_1")?, array_mut(two, n_2, "cells_2")?]) }
+}
+
+/// Weights of a part, none for NULL.
+///
+/// # Safety
+/// NULL or an array of this length that lives during `'a`.
+unsafe fn weights_of<'a>(pointer: *const f64, n: usize, name: &str) -> Result<Option<&'a [f64]>> {
+    // SAFETY: the caller's promise.
+    if pointer.is_null() { Ok(None) } else { unsafe { array(pointer, n, name) }.map(Some) }
+}
+
+/// # Safety
+/// `to` is NULL or a place to write.
+unsafe fn tell<T>(to: *mut T, value: T) -> Result<()> {
+    if !to.is_null() {
+        // SAFETY: the caller's promise.
+        *unsafe { place(to, "an output") }? = value;
+    }
+    Ok(())
+}
+
+/// Tells of the sets `set_1` [n_1] and `set_2` [n_2], whatever they are, the areas or volumes `volumes` [2] of what is left of the colliding cells,
+/// `*gamma` = V_2 / (V_1 + V_2) as in (37d) of Morris and Behandish 2022, NaN where nothing is left, and `*n_lost`, the cells of part 2 in its set that
+/// conflict with cells of part 1 in its: 0 of a pair that never collides. Each output may be NULL.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1. Threads: any number at
+/// once. Cost: a pass over the edges of part 1's set.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_volumes(
+    pair: *const ko_pair,
+    set_1: *const u8,
+    n_1: usize,
+    set_2: *const u8,
+    n_2: usize,
+    volumes: *mut f64,
+    gamma: *mut f64,
+    n_lost: *mut usize,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a pair, sets and NULL or arrays of these lengths.
+        let (ko_pair(pair), one, two, to) = unsafe {
+            (
+                object(pair, "pair")?,
+                read_set(set_1, n_1, "set_1")?,
+                read_set(set_2, n_2, "set_2")?,
+                wanted(volumes, 2, "volumes")?,
+            )
+        };
+        check_wanted_place(gamma, "gamma")?;
+        check_wanted_place(n_lost, "n_lost")?;
+        in_its_dimension!(pair, pair => {
+            pair.check(n_1, n_2)?;
+            let (found, reached) = pair.volumes([&one, &two])?;
+            let mut lost = pair.graph()?.conflicts.neighbours(Side::First, &one)?;
+            lost.intersect(&two);
+            if let Some(to) = to {
+                to.copy_from_slice(&found);
+            }
+            // SAFETY: the header asks for NULL or places to write.
+            unsafe {
+                tell(gamma, reached)?;
+                tell(n_lost, lost.count())
+            }
+        })
+    })
+}
+
+/// Closes a pair: from any sets to one that never collides and cannot grow, `cells_1` [n_1] and `cells_2` [n_2]; `*gamma`, which may be NULL, is what
+/// it reached, as `ko_pair_volumes` tells.
+///
+/// `from` is the part whose set is kept as far as the other's frozen cells let it, 1 or 2; 0: that with the larger area or volume. With A_i the cells
+/// that part i may have beside the frozen ones of the other, and N(.) the cells in conflict: from part 1, S_2 = A_2 \ N(S_1), then S_1 = A_1 \ N(S_2);
+/// maximal pairs of Definition 2 of Morris and Behandish 2022. With all of part 1 and from 1 it is the unsweep, gamma = 0; all of part 2 and from 2
+/// give gamma = 1. `set_1` [n_1] and `set_2` [n_2] are sets; that of the part that one does not begin with may be NULL, unless `from` is 0.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1, another `from`;
+/// KO_ERR_OUT_OF_MEMORY. Threads: any number at once. Cost: two passes over the edges.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_close(
+    pair: *const ko_pair,
+    set_1: *const u8,
+    set_2: *const u8,
+    from: u32,
+    n_1: usize,
+    n_2: usize,
+    cells_1: *mut u8,
+    cells_2: *mut u8,
+    gamma: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a pair and arrays of these lengths.
+        let (ko_pair(pair), outs) = unsafe { (object(pair, "pair")?, outputs(cells_1, n_1, cells_2, n_2)?) };
+        check_wanted_place(gamma, "gamma")?;
+        let from = side("from", from)?;
+        // What is not begun with does not count.
+        let read = |set: *const u8, n: usize, name: &str, own: Side| {
+            if from.is_some_and(|from| from != own) {
+                return Bits::none(n);
+            }
+            // SAFETY: the header asks for a set of this length.
+            unsafe { read_set(set, n, name) }
+        };
+        in_its_dimension!(pair, pair => {
+            pair.check(n_1, n_2)?;
+            let sets = [read(set_1, n_1, "set_1", Side::First)?, read(set_2, n_2, "set_2", Side::Second)?];
+            let closed = pair.closed(sets.each_ref(), from)?;
+            let (_, reached) = pair.volumes(closed.cells.each_ref())?;
+            put_pair(&closed, outs);
+            // SAFETY: the header asks for NULL or a place to write.
+            unsafe { tell(gamma, reached) }
+        })
+    })
+}
+
+/// Finds the pair of the greatest weight among all that never collide, `cells_1` [n_1] and `cells_2` [n_2]: a minimum cut of the conflict graph, which
+/// is globally optimal. It is maximal too.
+///
+/// `weights_1` [n_1] and `weights_2` [n_2], at least 0, are what cells count for, such as an outside objective's sensitivities; NULL: the cell's area
+/// or volume. `*weight` is the pair's, and `*bound`, all cells' less the flow that meets the cut, what no pair weighs more than: the same, which is the proof.
+/// Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are; others are rounded up to
+/// multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as `ko_pair_volumes` tells. Of several best
+/// pairs it is always the same.
+/// `options` NULL: the defaults; `gap` does not count.
+/// Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming the
+/// first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: a second or so for
+/// 160,000 cells a part and 10^8 edges; a few numbers a cell.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_cut(
+    pair: *const ko_pair,
+    weights_1: *const f64,
+    weights_2: *const f64,
+    options: *const ko_family_options,
+    n_1: usize,
+    n_2: usize,
+    cells_1: *mut u8,
+    cells_2: *mut u8,
+    weight: *mut f64,
+    bound: *mut f64,
+    gamma: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a pair, NULL or initialised options, and arrays of these lengths.
+        let (ko_pair(pair), options, given, outs) = unsafe {
+            (
+                object(pair, "pair")?,
+                ko_family_options::read(options)?,
+                [weights_of(weights_1, n_1, "weights_1")?, weights_of(weights_2, n_2, "weights_2")?],
+                outputs(cells_1, n_1, cells_2, n_2)?,
+            )
+        };
+        check_wanted_place(weight, "weight")?;
+        check_wanted_place(bound, "bound")?;
+        check_wanted_place(gamma, "gamma")?;
+        // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
+        let mut told = unsafe { listener(options.progress, options.progress_data) };
+        in_its_dimension!(pair, pair => {
+            pair.check(n_1, n_2)?;
+            let Graph { conflicts, room, .. } = pair.graph()?;
+            let weights = pair.weights(given, MOST_OF_CUT)?;
+            let found = cut(conflicts, room, weights.units(), &mut Progress::new(&mut told))?;
+            // Cells that weigh nothing may be left out.
+            let closed = close(conflicts, room, Side::First, &found.pair.cells[0])?;
+            let reached = pair.volumes(closed.cells.each_ref())?.1;
+            let most = (weights.units_of(room) - found.flow) as f64 * weights.unit();
+            let own = weights.units_of(&closed.cells) as f64 * weights.unit();
+            put_pair(&closed, outs);
+            // SAFETY: the header asks for NULL or places to write.
+            unsafe {
+                tell(weight, own)?;
+                tell(bound, most)?;
+                tell(gamma, reached)
+            }
+        })
+    })
+}
+
+/// Finds a family of pairs that never collide, one for each of `gammas` [n_gammas] in [0, 1], (25) and (26) of Morris and Behandish 2022: sets
+/// `cells_1` [n_gammas * n_1] and `cells_2` [n_gammas * n_2], a row each for every gamma.
+///
+/// `reached` [n_gammas] are the gammas of the pairs, V_2 / (V_1 + V_2) as in (37d), `volumes` [2 * n_gammas] V_1 and V_2, what is left of the colliding
+/// cells, and `bounds` [n_gammas] what no pair of the gamma that was asked for has for V_1 + V_2. Each of these may be NULL. Volumes are by `weights_1`
+/// [n_1] and `weights_2` [n_2], at least 0; NULL: the cell's area or volume. Weights that are no multiples of a common unit, see `ko_pair_cut`, are
+/// rounded up to multiples of 2^-32 of their sum. gamma 0 and 1 are the unsweeps. A gamma that no pair reaches gets one near to it.
+/// `options` NULL: the defaults.
+/// Errors: those of `ko_pair_cut`; KO_ERR_INVALID_ARGUMENT for a gamma outside [0, 1], naming the first, and a gap outside [0, 1). Threads: as
+/// `ko_pair_cut`. Cost: some cuts, not one for each gamma; n_1 + n_2 bytes a gamma and more inside.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_family(
+    pair: *const ko_pair,
+    weights_1: *const f64,
+    weights_2: *const f64,
+    gammas: *const f64,
+    n_gammas: usize,
+    options: *const ko_family_options,
+    n_1: usize,
+    n_2: usize,
+    cells_1: *mut u8,
+    cells_2: *mut u8,
+    reached: *mut f64,
+    volumes: *mut f64,
+    bounds: *mut f64,
+) -> i32 {
+    guard(|| {
+        let (all_1, all_2) = (n_1.saturating_mul(n_gammas), n_2.saturating_mul(n_gammas));
+        // SAFETY: the header asks for a pair, NULL or initialised options, and arrays of these lengths.
+        let (ko_pair(pair), options, given, gammas, [out_1, out_2]) = unsafe {
+            (
+                object(pair, "pair")?,
+                ko_family_options::read(options)?,
+                [weights_of(weights_1, n_1, "weights_1")?, weights_of(weights_2, n_2, "weights_2")?],
+                array(gammas, n_gammas, "gammas")?,
+                outputs(cells_1, all_1, cells_2, all_2)?,
+            )
+        };
+        // SAFETY: the header asks for NULL or arrays of these lengths.
+        let (mut reached, mut volumes, mut bounds) = unsafe {
+            (
+                wanted(reached, n_gammas, "reached")?,
+                wanted(volumes.cast::<[f64; 2]>(), n_gammas, "volumes")?,
+                wanted(bounds, n_gammas, "bounds")?,
+            )
+        };
+        // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
+        let mut told = unsafe { listener(options.progress, options.progress_data) };
+        in_its_dimension!(pair, pair => {
+            pair.check(n_1, n_2)?;
+            let Graph { conflicts, room, .. } = pair.graph()?;
+            let (weights, own) = (pair.weights(given, MOST_OF_FAMILY)?, options.to_family_options());
+            let found = family(conflicts, room, weights.units(), gammas, &own, &mut Progress::new(&mut told))?;
+            for (k, member) in found.into_iter().enumerate() {
+                let closed = close(conflicts, room, Side::First, &member.pair.cells[0])?;
+                put_pair(&closed, [&mut out_1[k * n_1..(k + 1) * n_1], &mut out_2[k * n_2..(k + 1) * n_2]]);
+                if let Some(to) = &mut reached {
+                    to[k] = member.gamma;
+                }
+                if let Some(to) = &mut volumes {
+                    to[k] = member.volumes.map(|v| v as f64 * weights.unit());
+                }
+                if let Some(to) = &mut bounds {
+                    to[k] = member.bound * weights.unit();
+                }
+            }
+            Ok(())
+        })
+    })
+}
+
+/// Optimises densities by the method of moving asymptotes, (37) to (43) of Morris and Behandish 2022, and closes what it gives: `cells_1` [n_1] and
+/// `cells_2` [n_2], a pair that never collides and cannot grow.
+///
+/// It maximises V_1 + V_2 over the densities of the colliding cells with g_21 = 0, g_12 = 0 and gamma V_1 = (1 - gamma) V_2, each within `feasibility`;
+/// then densities above 1/2 are closed in the pair's conflict graph. `densities_1` [n_1] and `densities_2` [n_2] get what it ends with, and
+/// `history` [5 * (max_iterations + 1)] a row for the beginning and each iteration: V_1, V_2, g_21, g_12, and the part of the colliding volume that
+/// changed; rows behind the last are left as they are. Each of these three may be NULL. `options` NULL: the defaults; `report_size` is sizeof *report.
+/// A minimum cut, `ko_pair_cut` or `ko_pair_family`, gives better pairs sooner; this is for comparison, and for objectives of one's own.
+/// Returns KO_BUDGET_REACHED, a success, where iterations ended before the tolerance was reached. Errors: KO_ERR_INVALID_ARGUMENT for a pair without
+/// measures or without conflict graph, another number of cells, an option out of its range; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number
+/// at once; `progress` is called on the caller's. Cost: sensitivities an iteration; some 30 numbers a colliding cell.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_optimise(
+    pair: *const ko_pair,
+    options: *const ko_optimise_options,
+    n_1: usize,
+    n_2: usize,
+    densities_1: *mut f64,
+    densities_2: *mut f64,
+    cells_1: *mut u8,
+    cells_2: *mut u8,
+    history: *mut f64,
+    report_size: usize,
+    report: *mut ko_optimise_report,
+) -> i32 {
+    guard_with_remark(|| {
+        // SAFETY: the header asks for a pair, NULL or initialised options, and NULL or arrays of these lengths.
+        let (ko_pair(pair), options, rho, outs) = unsafe {
+            (
+                object(pair, "pair")?,
+                ko_optimise_options::read(options)?,
+                [wanted(densities_1, n_1, "densities_1")?, wanted(densities_2, n_2, "densities_2")?],
+                outputs(cells_1, n_1, cells_2, n_2)?,
+            )
+        };
+        // SAFETY: the header asks for NULL or an array of this length.
+        let rows = unsafe { wanted(history.cast::<[f64; 5]>(), options.max_iterations as usize + 1, "history") }?;
+        // Before the work, not after it.
+        check_sized(report, report_size, "report")?;
+        // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
+        let mut told = unsafe { listener(options.progress, options.progress_data) };
+        let (own, workers) = (options.to_optimise_options()?, Workers::new(options.n_threads)?);
+        in_its_dimension!(pair, pair => {
+            pair.check(n_1, n_2)?;
+            let Graph { conflicts, room, .. } = pair.graph()?;
+            let frozen = pair.parts.each_ref().map(|part| part.frozen());
+            let design = Design { correlation: pair.correlation()?, conflicts, room, frozen };
+            let found = optimise(&design, &own, &workers, &mut Progress::new(&mut told))?;
+            let told = told_of(&found, pair.volumes(found.pair.cells.each_ref())?);
+            // SAFETY: the header asks for a struct of this size.
+            unsafe { write_sized(report, report_size, told, "report") }?;
+            put_pair(&found.pair, outs);
+            for (to, from) in rho.into_iter().zip(&found.densities) {
+                if let Some(to) = to {
+                    to.copy_from_slice(from);
+                }
+            }
+            for (to, it) in rows.into_iter().flatten().zip(&found.history) {
+                *to = [it.volumes[0], it.volumes[1], it.measures.g21, it.measures.g12, it.change];
+            }
+            Ok(if found.converged { KO_OK } else { KO_BUDGET_REACHED })
+        })
+    })
+}
+
+fn told_of(found: &Optimised, (volumes, gamma): ([f64; 2], f64)) -> ko_optimise_report {
+    let last = found.history.last().expect("there is a beginning");
+    ko_optimise_report {
+        struct_size: size_of::<ko_optimise_report>(),
+        gamma,
+        volumes,
+        measures: [last.measures.g21, last.measures.g12],
+        change: last.change,
+        n_iterations: (found.history.len() - 1) as u32,
+        converged: i32::from(found.converged),
+    }
+}
+
+/// Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times: figure
+/// 11 of Morris and Behandish 2022.
+///
+/// `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2, and
+/// `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
+/// `progress` is told of progress with `progress_data`, or NULL.
+/// Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million; KO_ERR_DEGENERATE
+/// where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's; `n_threads` is
+/// as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell of part 1.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_contact(
+    pair: *const ko_pair,
+    set_1: *const u8,
+    n_1: usize,
+    set_2: *const u8,
+    n_2: usize,
+    n_times: usize,
+    n_threads: u32,
+    progress: ko_progress,
+    progress_data: *mut c_void,
+    gaps: *mut f64,
+    cells: *mut usize,
+    places: *mut f64,
+    largest: *mut f64,
+    mean: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a pair, sets and NULL or arrays of these lengths.
+        let (ko_pair(pair), one, two, gaps, cells) = unsafe {
+            (
+                object(pair, "pair")?,
+                read_set(set_1, n_1, "set_1")?,
+                read_set(set_2, n_2, "set_2")?,
+                wanted(gaps, n_times, "gaps")?,
+                wanted(cells.cast::<[usize; 2]>(), n_times, "cells")?,
+            )
+        };
+        check_wanted_place(largest, "largest")?;
+        check_wanted_place(mean, "mean")?;
+        // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
+        let mut told = unsafe { listener(progress, progress_data) };
+        in_its_dimension!(pair, pair => {
+            // SAFETY: the header asks for NULL or an array of this length.
+            let places = unsafe { wanted(places.cast(), n_times, "places") }?;
+            pair.check(n_1, n_2)?;
+            let grids = pair.parts.each_ref().map(|part| part.grid());
+            let (sets, workers) = (Pair { cells: [one, two] }, Workers::new(n_threads)?);
+            let found = contact(grids, &sets, &pair.relative, n_times, &workers, &mut Progress::new(&mut told))?;
+            for (to, gap) in gaps.into_iter().flatten().zip(&found.gaps) {
+                *to = gap.distance;
+            }
+            for (to, gap) in cells.into_iter().flatten().zip(&found.gaps) {
+                *to = gap.cells;
+            }
+            for (to, gap) in places.into_iter().flatten().zip(&found.gaps) {
+                *to = gap.place;
+            }
+            // SAFETY: the header asks for NULL or places to write.
+            unsafe {
+                tell(largest, found.largest)?;
+                tell(mean, found.mean)
+            }
+        })
+    })
+}
