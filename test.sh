@@ -82,7 +82,7 @@ under_valgrind() (
     room=$(mktemp -d) || exit 1
     trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$room"' EXIT
     programs=(fortran errors_later refined certify threads lifecycle plane level_sets normals clouds refits sensitivity constraints constraints_errors
-        formulations errors golden)
+        formulations cogen cogen_errors errors golden)
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     declare -A running=()

@@ -11,7 +11,8 @@
  * Memory. What grows with the input is refused as KO_ERR_OUT_OF_MEMORY when it cannot be had; a small allocation that fails aborts.
  * Structs. Those that begin with struct_size grow at their end in later versions; the size tells which one the caller knows.
  * Lengths are in the caller's unit, errors and weights in units of D, the diagonal of the cloud's bounding box. Equations are those of
- *   Dunn et al., "Scalable enforcement of geometric non-interference constraints for gradient-based optimization" (2023).
+ *   Dunn et al., "Scalable enforcement of geometric non-interference constraints for gradient-based optimization" (2023), and, where they are
+ *   named, of Morris and Behandish, "Co-generation of collision-free shapes for arbitrary one-parametric motion" (2022).
  */
 
 
@@ -43,6 +44,11 @@
  * A success with a remark: the mesh bounds no solid, so that a certificate covers what is near it, and no side.
  */
 #define KO_SIDE_NOT_CERTIFIED 3
+
+/**
+ * A success with a remark: no cell of one part ever meets one of the other.
+ */
+#define KO_NEVER_MEET 4
 
 /**
  * An argument is not one that the call takes: NULL where something is needed, a wrong length, a NaN, a value out of range.
@@ -273,6 +279,47 @@
 #define KO_EXPLICIT_NEAREST_POINT 4
 
 /**
+ * The part never has the cell.
+ */
+#define KO_CELL_FORBIDDEN 0
+
+/**
+ * The part may have the cell: of its initial design, say.
+ */
+#define KO_CELL_FREE 1
+
+/**
+ * The part keeps the cell whatever happens.
+ */
+#define KO_CELL_FROZEN 2
+
+/**
+ * Conflicts are those of whole cells at all times, none missed: parts without them never overlap.
+ */
+#define KO_CONFLICTS_OF_OVERLAP 0
+
+/**
+ * Conflicts are those of the paper's measure, the nonzeros of w^12 and w^21: of cells' centres at `measure_steps` times. Parts without them may
+ * still overlap in between.
+ */
+#define KO_CONFLICTS_OF_MEASURE 1
+
+/**
+ * No conflict graph: the pair serves measures and sensitivities alone.
+ */
+#define KO_CONFLICTS_NONE 2
+
+/**
+ * The part must overlap no cell of the body.
+ */
+#define KO_AVOID 0
+
+/**
+ * The part must lie within the cells of the body: an enclosure.
+ */
+#define KO_STAY_IN 1
+
+/**
  * Points of a design that move with it, and how densely they cover its surface. Freed by `ko_body_free`; constraints that were made of it
  * go on.
  */
@@ -306,6 +353,29 @@ typedef struct ko_field ko_field;
  * A triangulated surface in space (dim 3), or polylines in the plane (dim 2). Freed by `ko_mesh_free`.
  */
 typedef struct ko_mesh ko_mesh;
+
+/**
+ * A rigid motion tau(t) of one parameter t in [0, 1], in the plane or in space: (3) and (4) of Morris and Behandish 2022. It takes points of a
+ * part to where they are in the world at t. Freed by `ko_motion_free`; what was made of it goes on.
+ */
+typedef struct ko_motion ko_motion;
+
+/**
+ * Two parts and their motions: collision measures, which depend on motions and grids alone, and the conflict graph, of which pairs that never
+ * collide are the independent sets. Morris and Behandish 2022. Freed by `ko_pair_free`.
+ *
+ * What takes a set for each part takes n_1 and n_2 bytes, numbers of cells of part 1 and of part 2; densities likewise.
+ */
+typedef struct ko_pair ko_pair;
+
+/**
+ * A grid of square or cubic cells in a part's own frame, (A.2) of Morris and Behandish 2022, and what the part may do with each. Freed by
+ * `ko_part_free`; what was made of it goes on.
+ *
+ * Cells are numbered row-major: the last axis runs fastest. Sets of a part's cells are arrays of a byte a cell, 1 where it is in the set, 0
+ * where not; densities are arrays of a number in [0, 1] a cell.
+ */
+typedef struct ko_part ko_part;
 
 /**
  * How values of a field change as its cloud does: a field and its cloud, ready for any number of `ko_sensitivity_solve`. Freed by
@@ -923,6 +993,235 @@ typedef struct ko_separation {
      */
     int32_t a_in_b;
 } ko_separation;
+
+/**
+ * How far along its way a motion is at t: f(t) = offset + slope t + sum over k of a_k cos(2 pi c_k t + p_k). Initialise by `ko_law_init`.
+ */
+typedef struct ko_law {
+    /**
+     * sizeof(ko_law), set by ko_law_init.
+     */
+    size_t struct_size;
+    /**
+     * f without the rest: radians of a turn or screw; of a slide a factor. 0 by ko_law_init.
+     */
+    double offset;
+    /**
+     * By how much the even part grows while t goes from 0 to 1. 0 by ko_law_init.
+     */
+    double slope;
+    /**
+     * [3 * n_waves]: amplitude a_k, cycles c_k while t goes from 0 to 1, phase p_k in radians. Read during a call only. NULL by ko_law_init.
+     */
+    const double *waves;
+    /**
+     * Waves. 0 by ko_law_init.
+     */
+    size_t n_waves;
+} ko_law;
+
+/**
+ * Writes the pose at `time` in [0, 1] to `rotation` [dim * dim], row-major, and `translation` [dim], and returns 0; not 0 is an error. Called
+ * on the caller's thread only. It must not unwind, throw or jump out.
+ */
+typedef int32_t (*ko_pose_function)(double time, double *rotation, double *translation, void *data);
+
+/**
+ * Options of `ko_pair_create`, `ko_part_sweep` and `ko_part_unsweep`. Initialise by `ko_pair_options_init`, then set what shall differ.
+ */
+typedef struct ko_pair_options {
+    /**
+     * sizeof(ko_pair_options), set by ko_pair_options_init.
+     */
+    size_t struct_size;
+    /**
+     * How finely time is cut for overlaps, which are never missed: so that cells are kept apart by about this much of the smaller cell's edge
+     * more than they must, at most. Above 0. Default 0.05.
+     */
+    double slack;
+    /**
+     * Even steps of time for overlaps instead; 0 (default): as many as `slack` asks for.
+     */
+    uint64_t n_steps;
+    /**
+     * K, the times (k + 1/2) / K at which centres of cells are looked at for the measures (A.14) to (A.17); 0 (default): no measures.
+     */
+    uint64_t measure_steps;
+    /**
+     * Distance that parts keep from each other at all times, in the unit of length, at least 0; with KO_CONFLICTS_OF_OVERLAP. Default 0.
+     */
+    double clearance;
+    /**
+     * Bytes that measures and graph may take; more is refused as soon as it is seen, with what it would take. Default 8 GiB.
+     */
+    uint64_t max_bytes;
+    /**
+     * A KO_CONFLICTS_ constant. Default KO_CONFLICTS_OF_OVERLAP.
+     */
+    int32_t conflicts;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_pair_options;
+
+/**
+ * Options of `ko_pair_cut` and `ko_pair_family`. Initialise by `ko_family_options_init`, then set what shall differ.
+ */
+typedef struct ko_family_options {
+    /**
+     * sizeof(ko_family_options), set by ko_family_options_init.
+     */
+    size_t struct_size;
+    /**
+     * Pairs of a family are good enough at this fraction below the bound, in [0, 1); with 0 the convex hull of all pairs' volumes is looked for at
+     * each gamma. A cut is exact whatever it is. Default 0.005.
+     */
+    double gap;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_family_options;
+
+/**
+ * Options of `ko_pair_optimise`. Initialise by `ko_optimise_options_init`, then set what shall differ.
+ */
+typedef struct ko_optimise_options {
+    /**
+     * sizeof(ko_optimise_options), set by ko_optimise_options_init.
+     */
+    size_t struct_size;
+    /**
+     * gamma of (37d), in [0, 1]: V_2 / (V_1 + V_2) of what is left of the colliding cells. Default 0.5.
+     */
+    double gamma;
+    /**
+     * It ends when an iteration changes less than this fraction of the colliding cells' volume; in (0, 1). Default 1e-4.
+     */
+    double tolerance;
+    /**
+     * What the measures may be at the end, as fractions of what they begin with, and the two sides of (37d), as one of the volume; in (0, 1).
+     * Default 1e-3.
+     */
+    double feasibility;
+    /**
+     * Iterations, at most. Default 200.
+     */
+    uint32_t max_iterations;
+    /**
+     * The part from which closure begins, 1 or 2; 0 (default): that with the larger volume.
+     */
+    uint32_t close_from;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_optimise_options;
+
+/**
+ * What a pair is. Filled by `ko_pair_get_report`.
+ */
+typedef struct ko_pair_report {
+    /**
+     * sizeof(ko_pair_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * n_1 and n_2, cells of both grids.
+     */
+    uint64_t n_cells[2];
+    /**
+     * Cells that each part may have beside those that the other keeps, and that conflict with cells of the other.
+     */
+    uint64_t n_colliding[2];
+    /**
+     * Edges of the conflict graph.
+     */
+    uint64_t n_edges;
+    /**
+     * Bytes that it takes.
+     */
+    uint64_t graph_bytes;
+    /**
+     * K, 0 for a pair without measures.
+     */
+    uint64_t measure_steps;
+    /**
+     * Visits of centres in cells that the measures are of.
+     */
+    uint64_t n_visits;
+    /**
+     * Bytes that they take.
+     */
+    uint64_t measure_bytes;
+    /**
+     * 2 or 3.
+     */
+    uint32_t dim;
+    /**
+     * 1: there is a conflict graph.
+     */
+    int32_t has_graph;
+} ko_pair_report;
+
+/**
+ * What an optimisation found. Filled by `ko_pair_optimise`.
+ */
+typedef struct ko_optimise_report {
+    /**
+     * sizeof(ko_optimise_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells.
+     */
+    double gamma;
+    /**
+     * Areas or volumes of what is left of the colliding cells of part 1 and 2 in the closed pair.
+     */
+    double volumes[2];
+    /**
+     * g_21 and g_12 of the last densities: 0 of the closed pair.
+     */
+    double measures[2];
+    /**
+     * The part of the colliding volume that the last iteration changed.
+     */
+    double change;
+    /**
+     * Iterations.
+     */
+    uint32_t n_iterations;
+    /**
+     * 1: the last change is below the tolerance. 0: KO_BUDGET_REACHED.
+     */
+    int32_t converged;
+} ko_optimise_report;
 
 #ifdef __cplusplus
 extern "C" {
@@ -2047,6 +2346,594 @@ int32_t ko_meshes_separation(const struct ko_mesh *mesh_a,
                              struct ko_separation *separation,
                              double *distance_gradients,
                              double *length_gradients);
+
+/**
+ * Fills `law` with f(t) = 0. `struct_size` is sizeof *law.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_law_init(struct ko_law *law, size_t struct_size);
+
+/**
+ * Makes the motion of a part that stays at a pose: `rotation` [dim * dim], row-major, NULL for none, then `translation` [dim], NULL for 0.
+ *
+ * `dim` is 2 or 3. x_w = R x + t: the columns of R are where the part's axes point in the world. R is made a rotation to rounding.
+ * `*motion` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a number that is not finite and for R that mirrors, or is off a rotation by more than 1e-6 in an entry of
+ * R^T R, telling by how much. Threads: any. Cost: none.
+ */
+int32_t ko_motion_fixed(uint32_t dim,
+                        const double *rotation,
+                        const double *translation,
+                        struct ko_motion **motion);
+
+/**
+ * Makes a slide: at t the part is moved by f(t) times `along` [dim], f being the `law`.
+ *
+ * `dim` is 2 or 3. `*motion` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for a number that is not finite, and for no law. Threads:
+ * any. Cost: none.
+ */
+int32_t ko_motion_slide(uint32_t dim,
+                        const double *along,
+                        const struct ko_law *law,
+                        struct ko_motion **motion);
+
+/**
+ * Makes a turn in the plane about `center` [2], by f(t) radians counter-clockwise, f being the `law`.
+ *
+ * `*motion` is the caller's to free. Errors: KO_ERR_INVALID_ARGUMENT for a number that is not finite, and for no law. Threads: any. Cost: none.
+ */
+int32_t ko_motion_turn(const double *center,
+                       const struct ko_law *law,
+                       struct ko_motion **motion);
+
+/**
+ * Makes a screw in space about the line through `point` [3] along `axis` [3]: a turn by f(t) radians, right-handed, and a slide along the axis
+ * by `lead` times f(t), f being the `law`.
+ *
+ * The axis is divided by its length. `lead` is a length a radian; 0 makes a turn. `*motion` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a number that is not finite, an axis of length 0, and for no law. Threads: any. Cost: none.
+ */
+int32_t ko_motion_screw(const double *point,
+                        const double *axis,
+                        double lead,
+                        const struct ko_law *law,
+                        struct ko_motion **motion);
+
+/**
+ * Makes the motion through `n_poses` poses at even times from 0 to 1, pose k at k / (n_poses - 1): `rotations` [dim * dim * n_poses], row-major
+ * each, and `translations` [dim * n_poses].
+ *
+ * `dim` is 2 or 3. Between two poses it is by definition the screw of the smallest turn from one to the other. The arrays are copied.
+ * `*motion` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for fewer than 2 poses; for one that is not finite, mirrors, or is not rigid, naming the first, and how far it
+ * is off; for a turn of more than 3 radians from a pose to the next, which could be either way round; KO_ERR_OUT_OF_MEMORY. Threads: any.
+ * Cost: less than a microsecond a pose.
+ */
+int32_t ko_motion_sampled(uint32_t dim,
+                          const double *rotations,
+                          const double *translations,
+                          size_t n_poses,
+                          struct ko_motion **motion);
+
+/**
+ * Makes the motion through `n_poses` poses that `pose` is asked for, in order, at even times from 0 to 1; between two of them it is the screw
+ * from one to the other, as in `ko_motion_sampled`.
+ *
+ * `dim` is 2 or 3. `data` is handed to `pose`, which is called during this call only. `*motion` is the caller's to free.
+ * Errors: those of `ko_motion_sampled`, and KO_ERR_INVALID_ARGUMENT where `pose` does not return 0, with the pose's number and time. Threads: any.
+ * Cost: the calls, and less than a microsecond a pose.
+ */
+int32_t ko_motion_from_function(uint32_t dim,
+                                ko_pose_function pose,
+                                void *data,
+                                size_t n_poses,
+                                struct ko_motion **motion);
+
+/**
+ * Makes the motions of two wheels that turn against each other, as gears do, about `centers` [4], x y of the first and of the second: the first
+ * by `turns` full turns counter-clockwise while t goes from 0 to 1, the second by `ratio` times that clockwise.
+ *
+ * Parts cut from what they leave of each other have teeth with the pitch radii r_1 = ratio r_2. Both handles are the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a number that is not finite and a ratio that is not above 0. Threads: any. Cost: none.
+ */
+int32_t ko_motion_gears(const double *centers,
+                        double turns,
+                        double ratio,
+                        struct ko_motion **first,
+                        struct ko_motion **second);
+
+/**
+ * Makes the motions of a planar four-bar linkage: its crank and its rocker turn about `pivots` [4], x y of the crank's and of the rocker's, and
+ * a coupler joins their ends.
+ *
+ * `lengths` [3] are those of crank, coupler and rocker from joint to joint. While t goes from 0 to 1 the crank turns from the angle `from` by
+ * `by`, in radians counter-clockwise from the x axis. Seen from the crank's joint towards the rocker's pivot, the rocker's joint lies to the left
+ * with `bend` 1, to the right with -1. Each part is given in a frame of its own: crank and rocker with the origin in their pivots and the x axis
+ * towards their joints, the coupler with the origin in the crank's joint and the x axis towards the rocker's. The poses are sampled at
+ * n_steps + 1 even times, with screws between them: of coupler and rocker these come near to the linkage as 1 / n_steps^2.
+ * All three handles are the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a length that is not above 0, a number that is not finite, another `bend`, for 0 steps or so few that a bar
+ * turns by more than 3 radians in one, and for an angle at which the linkage does not close, naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any.
+ * Cost: a microsecond a step.
+ */
+int32_t ko_motion_four_bar(const double *pivots,
+                           const double *lengths,
+                           double from,
+                           double by,
+                           int32_t bend,
+                           size_t n_steps,
+                           struct ko_motion **crank,
+                           struct ko_motion **coupler,
+                           struct ko_motion **rocker);
+
+/**
+ * Makes the product of two motions, tau(t) = `outer`(t) `inner`(t): what `inner` does is seen from what `outer` moves.
+ *
+ * A follower on a rocker, say, or a part's first pose before its motion. `*motion` is the caller's to free; it does not refer to the handles.
+ * Errors: KO_ERR_INVALID_ARGUMENT for motions of different dimensions. Threads: any. Cost: none.
+ */
+int32_t ko_motion_product(const struct ko_motion *outer,
+                          const struct ko_motion *inner,
+                          struct ko_motion **motion);
+
+/**
+ * Makes the inverse of a motion, which undoes it at each time. With a product it gives relative motions, tau_1^-1 tau_2, (8) and (9).
+ *
+ * `*motion` is the caller's to free; it does not refer to `of`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: none.
+ */
+int32_t ko_motion_inverse(const struct ko_motion *of,
+                          struct ko_motion **motion);
+
+/**
+ * Frees a motion. NULL is taken. No other thread may be using it.
+ */
+void ko_motion_free(struct ko_motion *motion);
+
+/**
+ * Tells the dimension of a motion, 2 or 3.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ */
+int32_t ko_motion_get_dim(const struct ko_motion *motion, uint32_t *dim);
+
+/**
+ * Evaluates a motion at `times` [n_times], each in [0, 1]: `rotations` [dim * dim * n_times], row-major each, and `translations`
+ * [dim * n_times].
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT, naming the first time outside [0, 1]. Threads: any number at once. Cost: some 100 ns a motion in a product
+ * and a time; no allocation, no lock.
+ */
+int32_t ko_motion_eval(const struct ko_motion *motion,
+                       const double *times,
+                       size_t n_times,
+                       double *rotations,
+                       double *translations);
+
+/**
+ * Makes a part of `counts` [dim] cells of edge `cell_edge` along each axis, from `corner` [dim] on, its smallest coordinates.
+ *
+ * `dim` is 2 or 3. `cells` [n_cells], as many as the product of the counts, are KO_CELL_ constants; NULL with n_cells 0: all are free. The arrays
+ * are copied. `*part` is the caller's to free.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a count of 0, more than 2^32 - 2 cells, an edge that is not above 0, a number that is not finite, another
+ * number of cells, or what is no KO_CELL_ constant, naming the first; KO_ERR_OUT_OF_MEMORY. Threads: any. Cost: a pass; two bits a cell.
+ */
+int32_t ko_part_create(uint32_t dim,
+                       const double *corner,
+                       double cell_edge,
+                       const size_t *counts,
+                       const uint8_t *cells,
+                       size_t n_cells,
+                       struct ko_part **part);
+
+/**
+ * Frees a part. NULL is taken. No other thread may be using it.
+ */
+void ko_part_free(struct ko_part *part);
+
+/**
+ * Tells the dimension of a part, 2 or 3, and the number of its cells. Either output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for no part. Threads: any. Cost: none.
+ */
+int32_t ko_part_get_size(const struct ko_part *part, uint32_t *dim, size_t *n_cells);
+
+/**
+ * Tells the grid of a part as it was given: `corner` [dim], `*cell_edge`, `counts` [dim]. Each output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for no part. Threads: any. Cost: none.
+ */
+int32_t ko_part_get_grid(const struct ko_part *part, double *corner, double *cell_edge, size_t *counts);
+
+/**
+ * Copies what the part may do with its cells to `cells` [n_cells], KO_CELL_ constants.
+ *
+ * `n_cells` must be that of `ko_part_get_size`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any. Cost: a pass.
+ */
+int32_t ko_part_copy_cells(const struct ko_part *part, size_t n_cells, uint8_t *cells);
+
+/**
+ * Tells which part of each cell a solid fills, `fractions` [n_cells] in [0, 1]: densities, (A.3) of Morris and Behandish 2022. Here the solid is
+ * what `mesh` bounds, in the part's frame.
+ *
+ * A cell that the surface may pass through is sampled at `samples` points along each of its edges, 1 to 64: fractions are off by about
+ * 1 / samples^dim to 1 / samples. What is inside is told by the generalised winding number, for open meshes too, roughly there.
+ * `n_cells` must be that of `ko_part_get_size`; whether the part may have a cell does not count. `n_threads` is as elsewhere, and the bits do not
+ * depend on it.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a mesh of another dimension, samples out of their range, another n_cells; KO_ERR_OUT_OF_MEMORY. Threads: any
+ * number at once. Cost: a distance a cell, and samples^dim of them for each that the surface may pass through; the mesh keeps the tree of its
+ * distances, about 200 bytes a triangle.
+ */
+int32_t ko_part_fractions_of_mesh(const struct ko_part *part,
+                                  const struct ko_mesh *mesh,
+                                  uint32_t samples,
+                                  uint32_t n_threads,
+                                  size_t n_cells,
+                                  double *fractions);
+
+/**
+ * The same of the solid that `field` was fitted to: where phi < 0, or phi > 0 with KO_FEASIBLE_INSIDE.
+ *
+ * `steepness` is at least the length of grad phi on the grid, such as `steepest` and `steepest_beyond` of `ko_field_certify`; of most fields 2 is
+ * more than that near the shape. Where it is less, cells that the surface passes through may be taken for full or empty. Errors: those of
+ * `ko_part_fractions_of_mesh`; KO_ERR_INVALID_ARGUMENT for a steepness that is not above 0. Threads: any number at once. Cost: a value a cell and a
+ * sample.
+ */
+int32_t ko_part_fractions_of_field(const struct ko_part *part,
+                                   const struct ko_field *field,
+                                   double steepness,
+                                   uint32_t samples,
+                                   uint32_t n_threads,
+                                   size_t n_cells,
+                                   double *fractions);
+
+/**
+ * The same of a box along the part's axes, from `box_min` [dim] to `box_max` [dim].
+ *
+ * Errors: those of `ko_part_fractions_of_mesh`; KO_ERR_INVALID_ARGUMENT for a box that is none. Threads: any number at once. Cost: nanoseconds a
+ * cell and a sample.
+ */
+int32_t ko_part_fractions_of_box(const struct ko_part *part,
+                                 const double *box_min,
+                                 const double *box_max,
+                                 uint32_t samples,
+                                 uint32_t n_threads,
+                                 size_t n_cells,
+                                 double *fractions);
+
+/**
+ * The same of a ball, in the plane a disc, around `center` [dim].
+ *
+ * Errors: those of `ko_part_fractions_of_mesh`; KO_ERR_INVALID_ARGUMENT for a radius that is not above 0. Threads: any number at once. Cost:
+ * nanoseconds a cell and a sample.
+ */
+int32_t ko_part_fractions_of_ball(const struct ko_part *part,
+                                  const double *center,
+                                  double radius,
+                                  uint32_t samples,
+                                  uint32_t n_threads,
+                                  size_t n_cells,
+                                  double *fractions);
+
+/**
+ * The same of a cylinder with flat ends, in the plane a strip, whose ends have their middles at `ends` [2 * dim]; `radius` is half the strip's
+ * width.
+ *
+ * Errors: those of `ko_part_fractions_of_mesh`; KO_ERR_INVALID_ARGUMENT for a radius that is not above 0, and ends that are one point. Threads: any
+ * number at once. Cost: nanoseconds a cell and a sample.
+ */
+int32_t ko_part_fractions_of_cylinder(const struct ko_part *part,
+                                      const double *ends,
+                                      double radius,
+                                      uint32_t samples,
+                                      uint32_t n_threads,
+                                      size_t n_cells,
+                                      double *fractions);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_pair_options_init(struct ko_pair_options *options, size_t struct_size);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_family_options_init(struct ko_family_options *options, size_t struct_size);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_optimise_options_init(struct ko_optimise_options *options, size_t struct_size);
+
+/**
+ * Tells which cells of `still` a moving part passes over: `swept` [n_still] is 1 for each that a cell of `part` among `cells` [n_cells] overlaps
+ * at any time, (1) of Morris and Behandish 2022; none is missed, and cells that are only nearly overlapped may be 1 as well.
+ *
+ * `cells` NULL with n_cells 0: all that the part may have. `motion` and `still_motion` are those of both in the world; NULL: it stays. What `still`
+ * may do with its cells does not count. Of the options `slack`, `n_steps`, `n_threads` and `progress` are taken; NULL: the defaults.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another dimension or number of cells, an entry that is not 0 or 1, a clearance other than 0, a motion with a
+ * number that is not finite; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's. Cost: for
+ * each cell and each step of time, and for each cell that it passes over then.
+ */
+int32_t ko_part_sweep(const struct ko_part *part,
+                      const uint8_t *cells,
+                      size_t n_cells,
+                      const struct ko_motion *motion,
+                      const struct ko_part *still,
+                      const struct ko_motion *still_motion,
+                      const struct ko_pair_options *options,
+                      size_t n_still,
+                      uint8_t *swept);
+
+/**
+ * Takes those cells of `part` out of `kept` [n_cells], a set, that break a rule about a `body` at any time of the motion: what is left is the
+ * unsweep, (2), (23) and (24) of Morris and Behandish 2022. Against several bodies, call it for each with the same array.
+ *
+ * `body_cells` [n_body] are those of the body; NULL with n_body 0: all that it may have. `rule` KO_AVOID: no cell that is left overlaps one of
+ * them, or comes nearer than the options' clearance; KO_STAY_IN: none gets out of them, or nearer than that to what is not theirs. It holds for
+ * whole cells at all times; cells that only nearly break it may go as well. Cells that the part may not have go; frozen ones that must go are
+ * gone too. `motion` and `body_motion` are those of both in the world; NULL: it stays. Of the options `slack`, `n_steps`, `clearance`,
+ * `n_threads` and `progress` are taken; NULL: the defaults.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another dimension, number of cells or rule, an entry that is not 0 or 1, a clearance below 0, a motion with a
+ * number that is not finite; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. After an error `kept` is as it was. Threads: any number at once; `progress` is
+ * called on the caller's. Cost: as `ko_part_sweep`.
+ */
+int32_t ko_part_unsweep(const struct ko_part *part,
+                        const struct ko_motion *motion,
+                        const struct ko_part *body,
+                        const uint8_t *body_cells,
+                        size_t n_body,
+                        const struct ko_motion *body_motion,
+                        int32_t rule,
+                        const struct ko_pair_options *options,
+                        size_t n_cells,
+                        uint8_t *kept);
+
+/**
+ * Makes a pair of two parts and their motions in the world: `motion_1` takes part 1's frame to the world, `motion_2` part 2's; NULL: the part
+ * stays. `options` NULL: the defaults, which make a conflict graph and no measures.
+ *
+ * Conflicts of overlap are between cells that overlap at any time, or come nearer than the clearance: none is missed, by separating axes at steps of
+ * time between which displacements are bounded; touching is no overlap. `*pair` is the caller's to free; it refers to neither parts nor motions.
+ * Returns KO_NEVER_MEET, a success, where no cell of a part meets one of the other, which mostly is a mistake in frames or motions.
+ * Errors: KO_ERR_INVALID_ARGUMENT for different dimensions, an option out of its range, a motion with a number that is not finite or so fast that
+ * it takes more than 10 million steps, and for frozen cells of both parts that collide, naming two of them, and when and where they do;
+ * KO_ERR_OUT_OF_MEMORY with the bytes that it would take; KO_ERR_UNSUPPORTED for an option that this library does not know; KO_ERR_CANCELLED.
+ * Threads: any; `progress` is called on the caller's. Cost: of the graph for each cell of the part with fewer of them and each step, and for each
+ * cell that it passes over then, some nanoseconds; of measures some nanoseconds for each cell and each of K steps, and two bytes a visit.
+ */
+int32_t ko_pair_create(const struct ko_part *part_1,
+                       const struct ko_motion *motion_1,
+                       const struct ko_part *part_2,
+                       const struct ko_motion *motion_2,
+                       const struct ko_pair_options *options,
+                       struct ko_pair **pair);
+
+/**
+ * Frees a pair. NULL is taken. No other thread may be using it.
+ */
+void ko_pair_free(struct ko_pair *pair);
+
+/**
+ * Tells what a pair is; `report_size` is sizeof *report.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT. Threads: any number at once. Cost: a pass over the sets of cells.
+ */
+int32_t ko_pair_get_report(const struct ko_pair *pair, size_t report_size, struct ko_pair_report *report);
+
+/**
+ * Evaluates the collision measures (29) and (30) of Morris and Behandish 2022 for `densities_1` [n_1] and `densities_2` [n_2]: `*g21`, the area or
+ * volume of part 2 that is in part 1, times the fraction of the motion that it is; `*g12`, that of part 1 in part 2. Either may be NULL.
+ *
+ * The weights are (A.14) to (A.17) with densities as fractions of cells, w^12 = eps_2^dim n_12 / K: unit of length to the power dim. Both are 0 for
+ * densities of pairs without KO_CONFLICTS_OF_MEASURE. A density must be 0 where the part may not have the cell.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without measures, another number of cells, or a density outside [0, 1], naming the first;
+ * KO_ERR_OUT_OF_MEMORY. Threads: any number at once; `n_threads` is as elsewhere, and the bits do not depend on it. Cost: a nanosecond or two a
+ * visit of `ko_pair_get_report`; a number a cell.
+ */
+int32_t ko_pair_measures(const struct ko_pair *pair,
+                         const double *densities_1,
+                         size_t n_1,
+                         const double *densities_2,
+                         size_t n_2,
+                         uint32_t n_threads,
+                         double *g21,
+                         double *g12);
+
+/**
+ * Evaluates the local measures (12) and (13) of Morris and Behandish 2022: `l21` [n_1], for each cell of part 1 the fraction of the motion that its
+ * centre is in part 2, with part 2's densities; `l12` [n_2], for those of part 2 in part 1. Either may be NULL.
+ *
+ * A cell that its part may not have gets 0. Errors, threads, cost: those of `ko_pair_measures`.
+ */
+int32_t ko_pair_local_measures(const struct ko_pair *pair,
+                               const double *densities_1,
+                               size_t n_1,
+                               const double *densities_2,
+                               size_t n_2,
+                               uint32_t n_threads,
+                               double *l21,
+                               double *l12);
+
+/**
+ * Evaluates the sensitivities (31) and (32) of Morris and Behandish 2022: derivatives of g_21 by both parts' densities, `d21_d1` [n_1] and `d21_d2`
+ * [n_2], and of g_12, `d12_d1` [n_1] and `d12_d2` [n_2].
+ *
+ * The measures are bilinear: g_21 is the sum of d21_d2 times densities_2, g_12 that of d12_d1 times densities_1. The right-hand sides of the paper's
+ * (32) are the wrong way round; here dg_12/drho_1 = (w^21)^T rho_2, dg_12/drho_2 = w^21 rho_1.
+ * Errors, threads: those of `ko_pair_measures`. Cost: twice that.
+ */
+int32_t ko_pair_sensitivities(const struct ko_pair *pair,
+                              const double *densities_1,
+                              size_t n_1,
+                              const double *densities_2,
+                              size_t n_2,
+                              uint32_t n_threads,
+                              double *d21_d1,
+                              double *d21_d2,
+                              double *d12_d1,
+                              double *d12_d2);
+
+/**
+ * Tells the initially colliding subdomains, (33) to (36) of Morris and Behandish 2022: the cells of each part that conflict with cells that the
+ * other may have, sets `cells_1` [n_1] and `cells_2` [n_2]. Either may be NULL.
+ *
+ * Only they can have to go. Cells that may not be beside frozen ones of the other part are left out. (33) and (34) with one direction miss cells
+ * whose centres the other's cells meet while theirs meet none; here it is the union of both. Errors: KO_ERR_INVALID_ARGUMENT for a pair without
+ * conflict graph, and another number of cells. Threads: any number at once. Cost: a pass.
+ */
+int32_t ko_pair_colliding(const struct ko_pair *pair,
+                          size_t n_1,
+                          size_t n_2,
+                          uint8_t *cells_1,
+                          uint8_t *cells_2);
+
+/**
+ * Tells of the sets `set_1` [n_1] and `set_2` [n_2], whatever they are, the areas or volumes `volumes` [2] of what is left of the colliding cells,
+ * `*gamma` = V_2 / (V_1 + V_2) as in (37d) of Morris and Behandish 2022, NaN where nothing is left, and `*n_lost`, the cells of part 2 in its set that
+ * conflict with cells of part 1 in its: 0 of a pair that never collides. Each output may be NULL.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1. Threads: any number at
+ * once. Cost: a pass over the edges of part 1's set.
+ */
+int32_t ko_pair_volumes(const struct ko_pair *pair,
+                        const uint8_t *set_1,
+                        size_t n_1,
+                        const uint8_t *set_2,
+                        size_t n_2,
+                        double *volumes,
+                        double *gamma,
+                        size_t *n_lost);
+
+/**
+ * Closes a pair: from any sets to one that never collides and cannot grow, `cells_1` [n_1] and `cells_2` [n_2]; `*gamma`, which may be NULL, is what
+ * it reached, as `ko_pair_volumes` tells.
+ *
+ * `from` is the part whose set is kept as far as the other's frozen cells let it, 1 or 2; 0: that with the larger area or volume. With A_i the cells
+ * that part i may have beside the frozen ones of the other, and N(.) the cells in conflict: from part 1, S_2 = A_2 \ N(S_1), then S_1 = A_1 \ N(S_2);
+ * maximal pairs of Definition 2 of Morris and Behandish 2022. With all of part 1 and from 1 it is the unsweep, gamma = 0; all of part 2 and from 2
+ * give gamma = 1. `set_1` [n_1] and `set_2` [n_2] are sets; that of the part that one does not begin with may be NULL, unless `from` is 0.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1, another `from`;
+ * KO_ERR_OUT_OF_MEMORY. Threads: any number at once. Cost: two passes over the edges.
+ */
+int32_t ko_pair_close(const struct ko_pair *pair,
+                      const uint8_t *set_1,
+                      const uint8_t *set_2,
+                      uint32_t from,
+                      size_t n_1,
+                      size_t n_2,
+                      uint8_t *cells_1,
+                      uint8_t *cells_2,
+                      double *gamma);
+
+/**
+ * Finds the pair of the greatest weight among all that never collide, `cells_1` [n_1] and `cells_2` [n_2]: a minimum cut of the conflict graph, which
+ * is globally optimal. It is maximal too.
+ *
+ * `weights_1` [n_1] and `weights_2` [n_2], at least 0, are what cells count for, such as an outside objective's sensitivities; NULL: the cell's area
+ * or volume. `*weight` is the pair's, and `*bound`, all cells' less the flow that meets the cut, what no pair weighs more than: the same, which is the proof.
+ * Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are; others are rounded up to
+ * multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as `ko_pair_volumes` tells. Of several best
+ * pairs it is always the same.
+ * `options` NULL: the defaults; `gap` does not count.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming the
+ * first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: a second or so for
+ * 160,000 cells a part and 10^8 edges; a few numbers a cell.
+ */
+int32_t ko_pair_cut(const struct ko_pair *pair,
+                    const double *weights_1,
+                    const double *weights_2,
+                    const struct ko_family_options *options,
+                    size_t n_1,
+                    size_t n_2,
+                    uint8_t *cells_1,
+                    uint8_t *cells_2,
+                    double *weight,
+                    double *bound,
+                    double *gamma);
+
+/**
+ * Finds a family of pairs that never collide, one for each of `gammas` [n_gammas] in [0, 1], (25) and (26) of Morris and Behandish 2022: sets
+ * `cells_1` [n_gammas * n_1] and `cells_2` [n_gammas * n_2], a row each for every gamma.
+ *
+ * `reached` [n_gammas] are the gammas of the pairs, V_2 / (V_1 + V_2) as in (37d), `volumes` [2 * n_gammas] V_1 and V_2, what is left of the colliding
+ * cells, and `bounds` [n_gammas] what no pair of the gamma that was asked for has for V_1 + V_2. Each of these may be NULL. Volumes are by `weights_1`
+ * [n_1] and `weights_2` [n_2], at least 0; NULL: the cell's area or volume. Weights that are no multiples of a common unit, see `ko_pair_cut`, are
+ * rounded up to multiples of 2^-32 of their sum. gamma 0 and 1 are the unsweeps. A gamma that no pair reaches gets one near to it.
+ * `options` NULL: the defaults.
+ * Errors: those of `ko_pair_cut`; KO_ERR_INVALID_ARGUMENT for a gamma outside [0, 1], naming the first, and a gap outside [0, 1). Threads: as
+ * `ko_pair_cut`. Cost: some cuts, not one for each gamma; n_1 + n_2 bytes a gamma and more inside.
+ */
+int32_t ko_pair_family(const struct ko_pair *pair,
+                       const double *weights_1,
+                       const double *weights_2,
+                       const double *gammas,
+                       size_t n_gammas,
+                       const struct ko_family_options *options,
+                       size_t n_1,
+                       size_t n_2,
+                       uint8_t *cells_1,
+                       uint8_t *cells_2,
+                       double *reached,
+                       double *volumes,
+                       double *bounds);
+
+/**
+ * Optimises densities by the method of moving asymptotes, (37) to (43) of Morris and Behandish 2022, and closes what it gives: `cells_1` [n_1] and
+ * `cells_2` [n_2], a pair that never collides and cannot grow.
+ *
+ * It maximises V_1 + V_2 over the densities of the colliding cells with g_21 = 0, g_12 = 0 and gamma V_1 = (1 - gamma) V_2, each within `feasibility`;
+ * then densities above 1/2 are closed in the pair's conflict graph. `densities_1` [n_1] and `densities_2` [n_2] get what it ends with, and
+ * `history` [5 * (max_iterations + 1)] a row for the beginning and each iteration: V_1, V_2, g_21, g_12, and the part of the colliding volume that
+ * changed; rows behind the last are left as they are. Each of these three may be NULL. `options` NULL: the defaults; `report_size` is sizeof *report.
+ * A minimum cut, `ko_pair_cut` or `ko_pair_family`, gives better pairs sooner; this is for comparison, and for objectives of one's own.
+ * Returns KO_BUDGET_REACHED, a success, where iterations ended before the tolerance was reached. Errors: KO_ERR_INVALID_ARGUMENT for a pair without
+ * measures or without conflict graph, another number of cells, an option out of its range; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number
+ * at once; `progress` is called on the caller's. Cost: sensitivities an iteration; some 30 numbers a colliding cell.
+ */
+int32_t ko_pair_optimise(const struct ko_pair *pair,
+                         const struct ko_optimise_options *options,
+                         size_t n_1,
+                         size_t n_2,
+                         double *densities_1,
+                         double *densities_2,
+                         uint8_t *cells_1,
+                         uint8_t *cells_2,
+                         double *history,
+                         size_t report_size,
+                         struct ko_optimise_report *report);
+
+/**
+ * Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times: figure
+ * 11 of Morris and Behandish 2022.
+ *
+ * `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2, and
+ * `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
+ * `progress` is told of progress with `progress_data`, or NULL.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million; KO_ERR_DEGENERATE
+ * where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's; `n_threads` is
+ * as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell of part 1.
+ */
+int32_t ko_pair_contact(const struct ko_pair *pair,
+                        const uint8_t *set_1,
+                        size_t n_1,
+                        const uint8_t *set_2,
+                        size_t n_2,
+                        size_t n_times,
+                        uint32_t n_threads,
+                        ko_progress progress,
+                        void *progress_data,
+                        double *gaps,
+                        size_t *cells,
+                        double *places,
+                        double *largest,
+                        double *mean);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -14,6 +14,7 @@
 
 #include "keepout.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -144,6 +145,22 @@ inline std::uint32_t dim_of(const ko_body *body) noexcept {
     return dim;
 }
 
+inline std::uint32_t dim_of(const ko_motion *motion) noexcept {
+    std::uint32_t dim = dim_of_none;
+    if (motion != nullptr) {
+        ko_motion_get_dim(motion, &dim);
+    }
+    return dim;
+}
+
+inline std::uint32_t dim_of(const ko_part *part) noexcept {
+    std::uint32_t dim = dim_of_none;
+    if (part != nullptr) {
+        ko_part_get_size(part, &dim, nullptr);
+    }
+    return dim;
+}
+
 inline std::uint32_t dim_of(const ko_field *field) noexcept {
     ko_fit_report report;
     return field == nullptr || ko_field_get_report(field, sizeof report, &report) < 0 ? dim_of_none : report.dim;
@@ -218,6 +235,29 @@ struct ExplicitOptions : ko_explicit_options {
     ExplicitOptions() : ko_explicit_options() {
         detail::check(ko_explicit_options_init(this, sizeof(ko_explicit_options)));
     }
+};
+
+/// ko_pair_options with the defaults: a conflict graph of overlap, no measures.
+struct PairOptions : ko_pair_options {
+    PairOptions() : ko_pair_options() { detail::check(ko_pair_options_init(this, sizeof(ko_pair_options))); }
+
+    OnProgress on_progress;
+};
+
+/// ko_family_options with the defaults.
+struct FamilyOptions : ko_family_options {
+    FamilyOptions() : ko_family_options() { detail::check(ko_family_options_init(this, sizeof(ko_family_options))); }
+
+    OnProgress on_progress;
+};
+
+/// ko_optimise_options with the defaults.
+struct OptimiseOptions : ko_optimise_options {
+    OptimiseOptions() : ko_optimise_options() {
+        detail::check(ko_optimise_options_init(this, sizeof(ko_optimise_options)));
+    }
+
+    OnProgress on_progress;
 };
 
 namespace detail {
@@ -1172,6 +1212,553 @@ inline ko_separation separation(const Mesh &a, const Mesh &b, Span<const double>
                                        distance_gradients.data(), length_gradients.data()));
     return found;
 }
+
+/// amplitude cos(2 pi cycles t + phase)
+struct Wave {
+    double amplitude;
+    double cycles;
+    double phase;
+};
+
+/// How far along its way a motion is at t in [0, 1]: f(t) = offset + slope t + the waves.
+struct Law {
+    double offset = 0.0;
+    double slope = 0.0;
+    std::vector<Wave> waves;
+};
+
+namespace detail {
+
+/// Status of `call(law)`, with the law as C has it.
+template <class Call>
+void with_law(const Law &law, const Call &call) {
+    std::vector<double> waves;
+    for (const Wave &wave : law.waves) {
+        waves.insert(waves.end(), {wave.amplitude, wave.cycles, wave.phase});
+    }
+    ko_law plain;
+    check(ko_law_init(&plain, sizeof plain));
+    plain.offset = law.offset;
+    plain.slope = law.slope;
+    plain.waves = waves.data();
+    plain.n_waves = law.waves.size();
+    check(call(&plain));
+}
+
+inline const double *or_null(Span<const double> numbers) noexcept { return numbers.empty() ? nullptr : numbers.data(); }
+
+inline const std::uint8_t *or_null(Span<const std::uint8_t> set) noexcept { return set.empty() ? nullptr : set.data(); }
+
+} // namespace detail
+
+/// A pose: x_w = R x + t.
+struct Pose {
+    std::vector<double> rotation;    ///< R, [dim * dim], row-major
+    std::vector<double> translation; ///< t, [dim]
+};
+
+/// A rigid motion of one parameter t in [0, 1], from a part's frame to the world. What is made of one goes on without it.
+class Motion {
+public:
+    /// Takes ownership of `handle`.
+    explicit Motion(ko_motion *handle) noexcept : handle_(handle), dim_(detail::dim_of(handle)) {}
+
+    /// Told the time, and writes the pose's rotation [dim * dim], row-major, and translation [dim].
+    using Function = std::function<void(double time, double *rotation, double *translation)>;
+
+    /// At a pose: rotation [dim * dim], row-major, and translation [dim]; each may be empty for none.
+    static Motion fixed(std::uint32_t dim, Span<const double> rotation = {}, Span<const double> translation = {}) {
+        if (!rotation.empty()) {
+            detail::check_size("rotation", rotation.size(), dim * dim);
+        }
+        if (!translation.empty()) {
+            detail::check_size("translation", translation.size(), dim);
+        }
+        ko_motion *handle = nullptr;
+        detail::check(ko_motion_fixed(dim, detail::or_null(rotation), detail::or_null(translation), &handle));
+        return Motion(handle);
+    }
+
+    /// A slide by f(t) times along [dim].
+    static Motion slide(Span<const double> along, const Law &law) {
+        ko_motion *handle = nullptr;
+        detail::with_law(law, [&](const ko_law *plain) {
+            return ko_motion_slide(static_cast<std::uint32_t>(along.size()), along.data(), plain, &handle);
+        });
+        return Motion(handle);
+    }
+
+    /// A turn in the plane about center [2], by f(t) radians counter-clockwise.
+    static Motion turn(Span<const double> center, const Law &law) {
+        detail::check_size("center", center.size(), 2);
+        ko_motion *handle = nullptr;
+        detail::with_law(law, [&](const ko_law *plain) { return ko_motion_turn(center.data(), plain, &handle); });
+        return Motion(handle);
+    }
+
+    /// A screw in space about the line through point [3] along axis [3]: f(t) radians, and a slide of `lead` a radian.
+    static Motion screw(Span<const double> point, Span<const double> axis, double lead, const Law &law) {
+        detail::check_size("point", point.size(), 3);
+        detail::check_size("axis", axis.size(), 3);
+        ko_motion *handle = nullptr;
+        detail::with_law(law, [&](const ko_law *plain) {
+            return ko_motion_screw(point.data(), axis.data(), lead, plain, &handle);
+        });
+        return Motion(handle);
+    }
+
+    /// Through poses at even times: rotations [dim * dim * n], row-major each, and translations [dim * n].
+    static Motion sampled(std::uint32_t dim, Span<const double> rotations, Span<const double> translations) {
+        const std::size_t n = detail::count("translations", translations.size(), dim == 2 ? 2 : 3);
+        detail::check_size("rotations", rotations.size(), dim * translations.size());
+        ko_motion *handle = nullptr;
+        detail::check(ko_motion_sampled(dim, rotations.data(), translations.data(), n, &handle));
+        return Motion(handle);
+    }
+
+    /// Through `n_poses` poses that `pose` is asked for at even times. What it throws comes out of the call.
+    static Motion from_function(std::uint32_t dim, const Function &pose, std::size_t n_poses) {
+        struct Asked {
+            const Function &pose;
+            std::exception_ptr thrown;
+
+            static std::int32_t ask(double time, double *rotation, double *translation, void *data) noexcept {
+                auto &self = *static_cast<Asked *>(data);
+                try {
+                    self.pose(time, rotation, translation);
+                    return 0;
+                } catch (...) {
+                    self.thrown = std::current_exception();
+                    return 1;
+                }
+            }
+        } asked{pose, nullptr};
+        ko_motion *handle = nullptr;
+        const std::int32_t status = ko_motion_from_function(dim, Asked::ask, &asked, n_poses, &handle);
+        if (asked.thrown) {
+            std::rethrow_exception(asked.thrown);
+        }
+        detail::check(status);
+        return Motion(handle);
+    }
+
+    /// Two wheels about centers [4] that turn against each other: the first by `turns` counter-clockwise, the second by `ratio` times that.
+    static std::array<Motion, 2> gears(Span<const double> centers, double turns, double ratio) {
+        detail::check_size("centers", centers.size(), 4);
+        ko_motion *first = nullptr, *second = nullptr;
+        detail::check(ko_motion_gears(centers.data(), turns, ratio, &first, &second));
+        return {Motion(first), Motion(second)};
+    }
+
+    /// Crank, coupler and rocker of a four-bar linkage with pivots [4] and lengths [3], see ko_motion_four_bar.
+    static std::array<Motion, 3> four_bar(Span<const double> pivots, Span<const double> lengths, double from, double by,
+                                          std::int32_t bend, std::size_t n_steps) {
+        detail::check_size("pivots", pivots.size(), 4);
+        detail::check_size("lengths", lengths.size(), 3);
+        ko_motion *crank = nullptr, *coupler = nullptr, *rocker = nullptr;
+        detail::check(ko_motion_four_bar(pivots.data(), lengths.data(), from, by, bend, n_steps, &crank, &coupler, &rocker));
+        return {Motion(crank), Motion(coupler), Motion(rocker)};
+    }
+
+    /// tau(t) = this(t) inner(t)
+    Motion product(const Motion &inner) const {
+        ko_motion *handle = nullptr;
+        detail::check(ko_motion_product(get(), inner.get(), &handle));
+        return Motion(handle);
+    }
+
+    Motion inverse() const {
+        ko_motion *handle = nullptr;
+        detail::check(ko_motion_inverse(get(), &handle));
+        return Motion(handle);
+    }
+
+    /// 3 in space, 2 in the plane.
+    std::uint32_t dim() const noexcept { return dim_; }
+
+    /// Poses at times [n] into rotations [dim() * dim() * n] and translations [dim() * n].
+    void eval(Span<const double> times, Span<double> rotations, Span<double> translations) const {
+        detail::check_size("rotations", rotations.size(), dim_ * dim_ * times.size());
+        detail::check_size("translations", translations.size(), dim_ * times.size());
+        detail::check(ko_motion_eval(get(), times.data(), times.size(), rotations.data(), translations.data()));
+    }
+
+    Pose pose(double time) const {
+        Pose pose{std::vector<double>(dim_ * dim_), std::vector<double>(dim_)};
+        eval({&time, 1}, pose.rotation, pose.translation);
+        return pose;
+    }
+
+    const ko_motion *get() const noexcept { return handle_.get(); }
+    ko_motion *get() noexcept { return handle_.get(); }
+
+private:
+    detail::Handle<ko_motion, ko_motion_free> handle_;
+    std::uint32_t dim_;
+};
+
+/// A set of a part's cells: a byte a cell, 1 where it is in the set.
+using CellSet = std::vector<std::uint8_t>;
+
+/// A grid of square or cubic cells, and what a part may do with each.
+class Part {
+public:
+    /// Takes ownership of `handle`.
+    explicit Part(ko_part *handle) noexcept : handle_(handle), dim_(detail::dim_of(handle)) {}
+
+    /// counts [dim] cells of this edge from corner [dim] on; cells are KO_CELL_ constants, empty: all are free.
+    static Part create(Span<const double> corner, double cell_edge, Span<const std::size_t> counts,
+                       Span<const std::uint8_t> cells = {}) {
+        detail::check_size("counts", counts.size(), corner.size());
+        ko_part *handle = nullptr;
+        detail::check(ko_part_create(static_cast<std::uint32_t>(corner.size()), corner.data(), cell_edge, counts.data(),
+                                     detail::or_null(cells), cells.size(), &handle));
+        return Part(handle);
+    }
+
+    /// 3 in space, 2 in the plane.
+    std::uint32_t dim() const noexcept { return dim_; }
+
+    /// Cells.
+    std::size_t size() const {
+        std::size_t n = 0;
+        detail::check(ko_part_get_size(get(), nullptr, &n));
+        return n;
+    }
+
+    struct Grid {
+        std::vector<double> corner;      ///< [dim()]
+        double cell_edge;                ///< of each cell
+        std::vector<std::size_t> counts; ///< [dim()]
+    };
+
+    Grid grid() const {
+        Grid grid{std::vector<double>(dim_), 0.0, std::vector<std::size_t>(dim_)};
+        detail::check(ko_part_get_grid(get(), grid.corner.data(), &grid.cell_edge, grid.counts.data()));
+        return grid;
+    }
+
+    /// KO_CELL_ constants [size()].
+    std::vector<std::uint8_t> cells() const {
+        std::vector<std::uint8_t> cells(size());
+        detail::check(ko_part_copy_cells(get(), cells.size(), cells.data()));
+        return cells;
+    }
+
+    /// What part of each cell a mesh's solid fills, [size()], by `samples` points along a cell's edge.
+    std::vector<double> fractions(const Mesh &mesh, std::uint32_t samples = 8, std::uint32_t n_threads = 0) const {
+        std::vector<double> out(size());
+        detail::check(ko_part_fractions_of_mesh(get(), mesh.get(), samples, n_threads, out.size(), out.data()));
+        return out;
+    }
+
+    /// The same of a field's solid; `steepness` bounds the length of its gradient.
+    std::vector<double> fractions(const Field &field, double steepness, std::uint32_t samples = 8,
+                                  std::uint32_t n_threads = 0) const {
+        std::vector<double> out(size());
+        detail::check(ko_part_fractions_of_field(get(), field.get(), steepness, samples, n_threads, out.size(), out.data()));
+        return out;
+    }
+
+    /// The same of a box from box_min [dim()] to box_max [dim()].
+    std::vector<double> fractions_of_box(Span<const double> box_min, Span<const double> box_max, std::uint32_t samples = 8,
+                                         std::uint32_t n_threads = 0) const {
+        detail::check_size("box_min", box_min.size(), dim_);
+        detail::check_size("box_max", box_max.size(), dim_);
+        std::vector<double> out(size());
+        detail::check(
+            ko_part_fractions_of_box(get(), box_min.data(), box_max.data(), samples, n_threads, out.size(), out.data()));
+        return out;
+    }
+
+    /// The same of a ball or disc around center [dim()].
+    std::vector<double> fractions_of_ball(Span<const double> center, double radius, std::uint32_t samples = 8,
+                                          std::uint32_t n_threads = 0) const {
+        detail::check_size("center", center.size(), dim_);
+        std::vector<double> out(size());
+        detail::check(ko_part_fractions_of_ball(get(), center.data(), radius, samples, n_threads, out.size(), out.data()));
+        return out;
+    }
+
+    /// The same of a cylinder or strip between the middles of its ends [2 * dim()].
+    std::vector<double> fractions_of_cylinder(Span<const double> ends, double radius, std::uint32_t samples = 8,
+                                              std::uint32_t n_threads = 0) const {
+        detail::check_size("ends", ends.size(), 2 * dim_);
+        std::vector<double> out(size());
+        detail::check(ko_part_fractions_of_cylinder(get(), ends.data(), radius, samples, n_threads, out.size(), out.data()));
+        return out;
+    }
+
+    /// The cells of `still` that this part's `cells`, empty: all that it may have, pass over.
+    CellSet sweep(const Motion &motion, const Part &still, const Motion &still_motion, Span<const std::uint8_t> cells = {},
+                  const PairOptions &options = {}) const {
+        CellSet swept(still.size());
+        detail::listened<ko_pair_options>(options, [&](const ko_pair_options &plain) {
+            return ko_part_sweep(get(), detail::or_null(cells), cells.size(), motion.get(), still.get(), still_motion.get(),
+                                 &plain, swept.size(), swept.data());
+        });
+        return swept;
+    }
+
+    /// Takes out of `kept` [size()] what breaks `rule`, KO_AVOID or KO_STAY_IN, about `body` and its cells, empty: all that it may have.
+    void unsweep(const Motion &motion, const Part &body, const Motion &body_motion, std::int32_t rule,
+                 Span<std::uint8_t> kept, Span<const std::uint8_t> body_cells = {}, const PairOptions &options = {}) const {
+        detail::listened<ko_pair_options>(options, [&](const ko_pair_options &plain) {
+            return ko_part_unsweep(get(), motion.get(), body.get(), detail::or_null(body_cells), body_cells.size(),
+                                   body_motion.get(), rule, &plain, kept.size(), kept.data());
+        });
+    }
+
+    const ko_part *get() const noexcept { return handle_.get(); }
+    ko_part *get() noexcept { return handle_.get(); }
+
+private:
+    detail::Handle<ko_part, ko_part_free> handle_;
+    std::uint32_t dim_;
+};
+
+/// A set of cells, or densities, for each part of a pair.
+template <class T>
+struct OfParts {
+    std::vector<T> first;
+    std::vector<T> second;
+};
+
+using CellSets = OfParts<std::uint8_t>;
+
+/// Two parts in relative motion: how they collide, and sets of cells that never do. Any number of threads may use one at once.
+class Pair {
+public:
+    /// Takes ownership of `handle`.
+    explicit Pair(ko_pair *handle) : handle_(handle) {
+        if (handle != nullptr) {
+            const ko_pair_report found = report();
+            dim_ = found.dim;
+            n_1_ = static_cast<std::size_t>(found.n_cells[0]);
+            n_2_ = static_cast<std::size_t>(found.n_cells[1]);
+        }
+    }
+
+    /// It refers to neither parts nor motions. Where they never meet, report().n_edges is 0.
+    static Pair create(const Part &part_1, const Motion &motion_1, const Part &part_2, const Motion &motion_2,
+                       const PairOptions &options = {}) {
+        ko_pair *handle = nullptr;
+        detail::listened<ko_pair_options>(options, handle, ko_pair_free, [&](const ko_pair_options &plain, ko_pair **pair) {
+            return ko_pair_create(part_1.get(), motion_1.get(), part_2.get(), motion_2.get(), &plain, pair);
+        });
+        return Pair(handle);
+    }
+
+    ko_pair_report report() const {
+        ko_pair_report report;
+        detail::check(ko_pair_get_report(get(), sizeof report, &report));
+        return report;
+    }
+
+    struct Measures {
+        double g21;
+        double g12;
+    };
+
+    /// (29) and (30) of densities [n_1], [n_2].
+    Measures measures(Span<const double> densities_1, Span<const double> densities_2, std::uint32_t n_threads = 0) const {
+        Measures found{};
+        detail::check(ko_pair_measures(get(), densities_1.data(), densities_1.size(), densities_2.data(), densities_2.size(),
+                                       n_threads, &found.g21, &found.g12));
+        return found;
+    }
+
+    /// (12), l21 of part 1's cells, and (13), l12 of part 2's.
+    OfParts<double> local_measures(Span<const double> densities_1, Span<const double> densities_2,
+                                   std::uint32_t n_threads = 0) const {
+        OfParts<double> found{std::vector<double>(densities_1.size()), std::vector<double>(densities_2.size())};
+        detail::check(ko_pair_local_measures(get(), densities_1.data(), densities_1.size(), densities_2.data(),
+                                             densities_2.size(), n_threads, found.first.data(), found.second.data()));
+        return found;
+    }
+
+    struct Sensitivities {
+        OfParts<double> g21; ///< by densities_1 and by densities_2
+        OfParts<double> g12;
+    };
+
+    /// (31) and (32).
+    Sensitivities sensitivities(Span<const double> densities_1, Span<const double> densities_2,
+                                std::uint32_t n_threads = 0) const {
+        const std::size_t n_1 = densities_1.size(), n_2 = densities_2.size();
+        Sensitivities found{{std::vector<double>(n_1), std::vector<double>(n_2)},
+                            {std::vector<double>(n_1), std::vector<double>(n_2)}};
+        detail::check(ko_pair_sensitivities(get(), densities_1.data(), n_1, densities_2.data(), n_2, n_threads,
+                                            found.g21.first.data(), found.g21.second.data(), found.g12.first.data(),
+                                            found.g12.second.data()));
+        return found;
+    }
+
+    /// The initially colliding subdomains, (33) to (36).
+    CellSets colliding() const {
+        CellSets sets = none();
+        detail::check(ko_pair_colliding(get(), n_1_, n_2_, sets.first.data(), sets.second.data()));
+        return sets;
+    }
+
+    struct Volumes {
+        std::array<double, 2> volumes; ///< what is left of the colliding cells
+        double gamma;                  ///< NaN where nothing is
+        std::size_t n_lost;            ///< cells of part 2 that conflict with the first set
+    };
+
+    /// Of any sets.
+    Volumes volumes(const CellSets &sets) const {
+        Volumes found{};
+        detail::check(ko_pair_volumes(get(), sets.first.data(), sets.first.size(), sets.second.data(), sets.second.size(),
+                                      found.volumes.data(), &found.gamma, &found.n_lost));
+        return found;
+    }
+
+    struct Closed {
+        CellSets cells;
+        double gamma;
+    };
+
+    /// From any sets to a pair that never collides and cannot grow; `from` 1 or 2, 0: the larger.
+    Closed close(const CellSets &sets, std::uint32_t from = 0) const {
+        Closed closed{none(), 0.0};
+        if (from != 2) {
+            detail::check_size("the first set", sets.first.size(), n_1_);
+        }
+        if (from != 1) {
+            detail::check_size("the second set", sets.second.size(), n_2_);
+        }
+        detail::check(ko_pair_close(get(), sets.first.data(), sets.second.data(), from, n_1_, n_2_, closed.cells.first.data(),
+                                    closed.cells.second.data(), &closed.gamma));
+        return closed;
+    }
+
+    struct Cut {
+        CellSets cells;
+        double weight;
+        double bound; ///< no pair weighs more
+        double gamma;
+    };
+
+    /// The pair of the greatest weight; weights [n_1] and [n_2], empty: areas or volumes.
+    Cut cut(Span<const double> weights_1 = {}, Span<const double> weights_2 = {}, const FamilyOptions &options = {}) const {
+        check_weights(weights_1, weights_2);
+        Cut found{none(), 0.0, 0.0, 0.0};
+        detail::listened<ko_family_options>(options, [&](const ko_family_options &plain) {
+            return ko_pair_cut(get(), detail::or_null(weights_1), detail::or_null(weights_2), &plain, n_1_, n_2_,
+                               found.cells.first.data(), found.cells.second.data(), &found.weight, &found.bound, &found.gamma);
+        });
+        return found;
+    }
+
+    struct Member {
+        CellSets cells;
+        double gamma;                  ///< that of the pair
+        std::array<double, 2> volumes; ///< what is left of the colliding cells
+        double bound;                  ///< no pair of the gamma that was asked for has more
+    };
+
+    /// A pair for each gamma; weights as in cut().
+    std::vector<Member> family(Span<const double> gammas, Span<const double> weights_1 = {},
+                               Span<const double> weights_2 = {}, const FamilyOptions &options = {}) const {
+        check_weights(weights_1, weights_2);
+        const std::size_t n = gammas.size();
+        CellSets all{CellSet(n * n_1_), CellSet(n * n_2_)};
+        std::vector<double> reached(n), volumes(2 * n), bounds(n);
+        detail::listened<ko_family_options>(options, [&](const ko_family_options &plain) {
+            return ko_pair_family(get(), detail::or_null(weights_1), detail::or_null(weights_2), gammas.data(), n, &plain, n_1_,
+                                  n_2_, all.first.data(), all.second.data(), reached.data(), volumes.data(), bounds.data());
+        });
+        std::vector<Member> members;
+        for (std::size_t k = 0; k < n; k++) {
+            const auto row = [k](const CellSet &set, std::size_t width) {
+                const auto begin = set.begin() + static_cast<std::ptrdiff_t>(k * width);
+                return CellSet(begin, begin + static_cast<std::ptrdiff_t>(width));
+            };
+            members.push_back(Member{{row(all.first, n_1_), row(all.second, n_2_)},
+                                     reached[k],
+                                     {volumes[2 * k], volumes[2 * k + 1]},
+                                     bounds[k]});
+        }
+        return members;
+    }
+
+    struct Optimised {
+        OfParts<double> densities;
+        CellSets cells;                             ///< closed
+        std::vector<std::array<double, 5>> history; ///< V_1, V_2, g_21, g_12, change
+        ko_optimise_report report;
+    };
+
+    /// Moving asymptotes, then closure. report.converged tells whether iterations sufficed.
+    Optimised optimise(const OptimiseOptions &options = {}) const {
+        Optimised found{{std::vector<double>(n_1_), std::vector<double>(n_2_)}, none(), {}, {}};
+        std::vector<double> history(5 * (std::size_t{options.max_iterations} + 1));
+        detail::listened<ko_optimise_options>(options, [&](const ko_optimise_options &plain) {
+            return ko_pair_optimise(get(), &plain, n_1_, n_2_, found.densities.first.data(), found.densities.second.data(),
+                                    found.cells.first.data(), found.cells.second.data(), history.data(), sizeof found.report,
+                                    &found.report);
+        });
+        for (std::size_t k = 0; k <= found.report.n_iterations; k++) {
+            const double *row = history.data() + 5 * k;
+            found.history.push_back({row[0], row[1], row[2], row[3], row[4]});
+        }
+        return found;
+    }
+
+    struct Contact {
+        std::vector<double> gaps;       ///< [n_times]
+        std::vector<std::size_t> cells; ///< [2 * n_times], those nearest to each other
+        std::vector<double> places;     ///< [dim * n_times], in part 1's frame
+        double largest;
+        double mean;
+    };
+
+    /// Gaps of a pair that does not collide, at even times.
+    Contact contact(const CellSets &sets, std::size_t n_times, std::uint32_t n_threads = 0,
+                    const OnProgress &on_progress = {}) const {
+        struct Told {
+            ko_progress progress;
+            void *progress_data;
+        };
+        struct Options : Told {
+            OnProgress on_progress;
+        };
+        Options options;
+        options.progress = nullptr;
+        options.progress_data = nullptr;
+        options.on_progress = on_progress;
+        Contact found{std::vector<double>(n_times), std::vector<std::size_t>(2 * n_times), std::vector<double>(dim_ * n_times),
+                      0.0, 0.0};
+        detail::listened<Told>(options, [&](const Told &plain) {
+            return ko_pair_contact(get(), sets.first.data(), sets.first.size(), sets.second.data(), sets.second.size(), n_times,
+                                   n_threads, plain.progress, plain.progress_data, found.gaps.data(), found.cells.data(),
+                                   found.places.data(), &found.largest, &found.mean);
+        });
+        return found;
+    }
+
+    const ko_pair *get() const noexcept { return handle_.get(); }
+    ko_pair *get() noexcept { return handle_.get(); }
+
+private:
+    CellSets none() const { return {CellSet(n_1_), CellSet(n_2_)}; }
+
+    void check_weights(Span<const double> weights_1, Span<const double> weights_2) const {
+        if (!weights_1.empty()) {
+            detail::check_size("weights_1", weights_1.size(), n_1_);
+        }
+        if (!weights_2.empty()) {
+            detail::check_size("weights_2", weights_2.size(), n_2_);
+        }
+    }
+
+    detail::Handle<ko_pair, ko_pair_free> handle_;
+    std::uint32_t dim_ = detail::dim_of_none;
+    std::size_t n_1_ = 0;
+    std::size_t n_2_ = 0;
+};
 
 } // namespace keepout
 

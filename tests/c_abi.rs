@@ -116,6 +116,16 @@ fn formulations() {
 }
 
 #[test]
+fn cogen() {
+    run("cogen", &[]);
+}
+
+#[test]
+fn cogen_errors() {
+    run("cogen_errors", &[]);
+}
+
+#[test]
 fn sensitivity() {
     run("sensitivity", &[]);
 }

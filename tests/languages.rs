@@ -112,9 +112,12 @@ fn c_structs() -> BTreeMap<String, Fields> {
     bodies.map(|(name, body)| (name, fields(body))).collect()
 }
 
+/// Types of the caller's functions.
+const CALLBACKS: [&str; 2] = ["ko_progress", "ko_pose_function"];
+
 /// A type that the header does not see into.
 fn is_handle(c: &str) -> bool {
-    c.starts_with("ko_") && c.chars().all(is_name) && c != "ko_progress" && !c_structs().contains_key(c)
+    c.starts_with("ko_") && c.chars().all(is_name) && !CALLBACKS.contains(&c) && !c_structs().contains_key(c)
 }
 
 fn c_constants() -> BTreeMap<String, i64> {
@@ -158,7 +161,7 @@ fn fortran_functions() -> BTreeMap<String, Function> {
             functions.insert(format!("ko_{name}"), Function { returns, arguments });
         }
     }
-    functions.remove("ko_progress");
+    CALLBACKS.iter().for_each(|callback| drop(functions.remove(*callback)));
     functions
 }
 
@@ -197,8 +200,8 @@ fn fortran_type(c: &str) -> String {
         "int64_t" | "uint64_t" => "integer(c_int64_t)",
         "uint8_t" => "integer(c_int8_t)",
         "size_t" => "integer(c_size_t)",
-        "ko_progress" => "type(c_funptr)",
-        "const char *" | "void *" => "type(c_ptr)",
+        _ if CALLBACKS.contains(&c) => "type(c_funptr)",
+        "const char *" | "void *" | "const double *" => "type(c_ptr)",
         "void" => "void",
         _ if c.starts_with("ko_") => return format!("type({c})"),
         _ => panic!("no Fortran type is known for {c}"),
@@ -377,6 +380,8 @@ fn python_constant(name: &str) -> (Option<&'static str>, String) {
         ("ROTATION_", "Rotation"),
         ("SCALE_", "Scale"),
         ("EXPLICIT_", "Formulation"),
+        ("CELL_", "Cell"),
+        ("CONFLICTS_", "Conflicts"),
     ];
     let short = name.trim_start_matches("KO_").replace("CAPABILITY_3D", "CAPABILITY_SPACE");
     let short = short.replace("CAPABILITY_2D", "CAPABILITY_PLANE");
@@ -386,6 +391,7 @@ fn python_constant(name: &str) -> (Option<&'static str>, String) {
             "WORLD" | "ABI_VERSION" => None,
             "BELOW" | "ABOVE" => Some("Side"),
             "LEAST" | "LARGEST" => Some("Extreme"),
+            "AVOID" | "STAY_IN" => Some("Rule"),
             _ => Some("Status"),
         };
         (class, short)

@@ -1,6 +1,7 @@
 //! Motions of mechanisms with one degree of freedom.
 
 use super::motion::{Law, Motion};
+use crate::error::try_with_capacity;
 use crate::geometry::rigid::Rigid;
 use crate::geometry::vec::{norm, number, sub};
 use crate::{Error, Result};
@@ -59,7 +60,16 @@ impl FourBar {
         if n == 0 {
             return Err(Error::InvalidArgument("0 steps for a linkage; it takes 1 at least".into()));
         }
-        let (mut cranks, mut couplers, mut rockers) = (Vec::new(), Vec::new(), Vec::new());
+        // Between samples a bar goes the shorter way round.
+        if !((by / n as f64).abs() <= 3.0 && from.is_finite()) {
+            return Err(Error::InvalidArgument(format!(
+                "the crank turns from {} by {} rad in {n} steps; it must be finite, and at most 3 rad a step",
+                number(from),
+                number(by)
+            )));
+        }
+        let bars = || try_with_capacity(n.saturating_add(1), "the linkage's poses");
+        let (mut cranks, mut couplers, mut rockers) = (bars()?, bars()?, bars()?);
         for k in 0..=n {
             let angle = from + by * k as f64 / n as f64;
             let joint = [pivots[0][0] + crank * angle.cos(), pivots[0][1] + crank * angle.sin()];
