@@ -17,6 +17,7 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_OPEN_AT_BOX = 1
   integer(c_int32_t), parameter :: KO_BUDGET_REACHED = 2
   integer(c_int32_t), parameter :: KO_SIDE_NOT_CERTIFIED = 3
+  integer(c_int32_t), parameter :: KO_NEVER_MEET = 4
   integer(c_int32_t), parameter :: KO_ERR_INVALID_ARGUMENT = -1
   integer(c_int32_t), parameter :: KO_ERR_OUT_OF_MEMORY = -2
   integer(c_int32_t), parameter :: KO_ERR_IO = -3
@@ -61,6 +62,14 @@ module keepout_c
   integer(c_int32_t), parameter :: KO_EXPLICIT_LIN = 2
   integer(c_int32_t), parameter :: KO_EXPLICIT_NEAREST_PLANE = 3
   integer(c_int32_t), parameter :: KO_EXPLICIT_NEAREST_POINT = 4
+  integer(c_int8_t), parameter :: KO_CELL_FORBIDDEN = 0
+  integer(c_int8_t), parameter :: KO_CELL_FREE = 1
+  integer(c_int8_t), parameter :: KO_CELL_FROZEN = 2
+  integer(c_int32_t), parameter :: KO_CONFLICTS_OF_OVERLAP = 0
+  integer(c_int32_t), parameter :: KO_CONFLICTS_OF_MEASURE = 1
+  integer(c_int32_t), parameter :: KO_CONFLICTS_NONE = 2
+  integer(c_int32_t), parameter :: KO_AVOID = 0
+  integer(c_int32_t), parameter :: KO_STAY_IN = 1
 
   type, bind(c) :: ko_mesh_report
     integer(c_size_t) :: struct_size
@@ -231,6 +240,74 @@ module keepout_c
     integer(c_int32_t) :: side
   end type
 
+  ! Made by keepout_law().
+  type, bind(c) :: ko_law
+    integer(c_size_t) :: struct_size
+    real(c_double) :: offset
+    real(c_double) :: slope
+    type(c_ptr) :: waves
+    integer(c_size_t) :: n_waves
+  end type
+
+  ! Made by keepout_pair_options() with the defaults.
+  type, bind(c) :: ko_pair_options
+    integer(c_size_t) :: struct_size
+    real(c_double) :: slack
+    integer(c_int64_t) :: n_steps
+    integer(c_int64_t) :: measure_steps
+    real(c_double) :: clearance
+    integer(c_int64_t) :: max_bytes
+    integer(c_int32_t) :: conflicts
+    integer(c_int32_t) :: n_threads
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  ! Made by keepout_family_options() with the defaults.
+  type, bind(c) :: ko_family_options
+    integer(c_size_t) :: struct_size
+    real(c_double) :: gap
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  ! Made by keepout_optimise_options() with the defaults.
+  type, bind(c) :: ko_optimise_options
+    integer(c_size_t) :: struct_size
+    real(c_double) :: gamma
+    real(c_double) :: tolerance
+    real(c_double) :: feasibility
+    integer(c_int32_t) :: max_iterations
+    integer(c_int32_t) :: close_from
+    integer(c_int32_t) :: n_threads
+    integer(c_int32_t) :: reserved
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  type, bind(c) :: ko_pair_report
+    integer(c_size_t) :: struct_size
+    integer(c_int64_t) :: n_cells(2)
+    integer(c_int64_t) :: n_colliding(2)
+    integer(c_int64_t) :: n_edges
+    integer(c_int64_t) :: graph_bytes
+    integer(c_int64_t) :: measure_steps
+    integer(c_int64_t) :: n_visits
+    integer(c_int64_t) :: measure_bytes
+    integer(c_int32_t) :: dim
+    integer(c_int32_t) :: has_graph
+  end type
+
+  type, bind(c) :: ko_optimise_report
+    integer(c_size_t) :: struct_size
+    real(c_double) :: gamma
+    real(c_double) :: volumes(2)
+    real(c_double) :: measures(2)
+    real(c_double) :: change
+    integer(c_int32_t) :: n_iterations
+    integer(c_int32_t) :: converged
+  end type
+
   abstract interface
     ! ko_progress; its address by c_funloc.
     function ko_progress(fraction, stage, data) bind(c) result(cancel)
@@ -239,6 +316,16 @@ module keepout_c
       type(c_ptr), value :: stage
       type(c_ptr), value :: data
       integer(c_int32_t) :: cancel
+    end function
+
+    ! ko_pose_function; its address by c_funloc. rotation is row by row: rotation(2) is R_12.
+    function ko_pose_function(time, rotation, translation, data) bind(c) result(failed)
+      import
+      real(c_double), value :: time
+      type(c_ptr), value :: rotation
+      type(c_ptr), value :: translation
+      type(c_ptr), value :: data
+      integer(c_int32_t) :: failed
     end function
   end interface
 
@@ -1060,6 +1147,458 @@ module keepout_c
       type(c_ptr), value :: length_gradients
       integer(c_int32_t) :: status
     end function
+
+    function ko_law_init(law, struct_size) bind(c) result(status)
+      import
+      type(ko_law), intent(inout) :: law
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_fixed(dim, rotation, translation, motion) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      type(c_ptr), value :: rotation
+      type(c_ptr), value :: translation
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_slide(dim, along, law, motion) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      real(c_double), intent(in) :: along(*)
+      type(ko_law), intent(in) :: law
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_turn(center, law, motion) bind(c) result(status)
+      import
+      real(c_double), intent(in) :: center(*)
+      type(ko_law), intent(in) :: law
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_screw(point, axis, lead, law, motion) bind(c) result(status)
+      import
+      real(c_double), intent(in) :: point(*)
+      real(c_double), intent(in) :: axis(*)
+      real(c_double), value :: lead
+      type(ko_law), intent(in) :: law
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_sampled(dim, rotations, translations, n_poses, motion) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      real(c_double), intent(in) :: rotations(*)
+      real(c_double), intent(in) :: translations(*)
+      integer(c_size_t), value :: n_poses
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_from_function(dim, pose, data, n_poses, motion) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      type(c_funptr), value :: pose
+      type(c_ptr), value :: data
+      integer(c_size_t), value :: n_poses
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_gears(centers, turns, ratio, first, second) bind(c) result(status)
+      import
+      real(c_double), intent(in) :: centers(*)
+      real(c_double), value :: turns
+      real(c_double), value :: ratio
+      type(c_ptr), intent(out) :: first
+      type(c_ptr), intent(out) :: second
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_four_bar(pivots, lengths, from, by, bend, n_steps, crank, coupler, rocker) bind(c) result(status)
+      import
+      real(c_double), intent(in) :: pivots(*)
+      real(c_double), intent(in) :: lengths(*)
+      real(c_double), value :: from
+      real(c_double), value :: by
+      integer(c_int32_t), value :: bend
+      integer(c_size_t), value :: n_steps
+      type(c_ptr), intent(out) :: crank
+      type(c_ptr), intent(out) :: coupler
+      type(c_ptr), intent(out) :: rocker
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_product(outer, inner, motion) bind(c) result(status)
+      import
+      type(c_ptr), value :: outer
+      type(c_ptr), value :: inner
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_inverse(of, motion) bind(c) result(status)
+      import
+      type(c_ptr), value :: of
+      type(c_ptr), intent(out) :: motion
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_motion_free(motion) bind(c)
+      import
+      type(c_ptr), value :: motion
+    end subroutine
+
+    function ko_motion_get_dim(motion, dim) bind(c) result(status)
+      import
+      type(c_ptr), value :: motion
+      integer(c_int32_t), intent(inout) :: dim
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_motion_eval(motion, times, n_times, rotations, translations) bind(c) result(status)
+      import
+      type(c_ptr), value :: motion
+      real(c_double), intent(in) :: times(*)
+      integer(c_size_t), value :: n_times
+      real(c_double), intent(inout) :: rotations(*)
+      real(c_double), intent(inout) :: translations(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_create(dim, corner, cell_edge, counts, cells, n_cells, part) bind(c) result(status)
+      import
+      integer(c_int32_t), value :: dim
+      real(c_double), intent(in) :: corner(*)
+      real(c_double), value :: cell_edge
+      integer(c_size_t), intent(in) :: counts(*)
+      type(c_ptr), value :: cells
+      integer(c_size_t), value :: n_cells
+      type(c_ptr), intent(out) :: part
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_part_free(part) bind(c)
+      import
+      type(c_ptr), value :: part
+    end subroutine
+
+    function ko_part_get_size(part, dim, n_cells) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      integer(c_int32_t), intent(inout) :: dim
+      integer(c_size_t), intent(inout) :: n_cells
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_get_grid(part, corner, cell_edge, counts) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      real(c_double), intent(inout) :: corner(*)
+      real(c_double), intent(inout) :: cell_edge
+      integer(c_size_t), intent(inout) :: counts(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_copy_cells(part, n_cells, cells) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      integer(c_size_t), value :: n_cells
+      integer(c_int8_t), intent(inout) :: cells(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_fractions_of_mesh(part, mesh, samples, n_threads, n_cells, fractions) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      type(c_ptr), value :: mesh
+      integer(c_int32_t), value :: samples
+      integer(c_int32_t), value :: n_threads
+      integer(c_size_t), value :: n_cells
+      real(c_double), intent(inout) :: fractions(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_fractions_of_field(part, field, steepness, samples, n_threads, n_cells, fractions) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      type(c_ptr), value :: field
+      real(c_double), value :: steepness
+      integer(c_int32_t), value :: samples
+      integer(c_int32_t), value :: n_threads
+      integer(c_size_t), value :: n_cells
+      real(c_double), intent(inout) :: fractions(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_fractions_of_box(part, box_min, box_max, samples, n_threads, n_cells, fractions) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      real(c_double), intent(in) :: box_min(*)
+      real(c_double), intent(in) :: box_max(*)
+      integer(c_int32_t), value :: samples
+      integer(c_int32_t), value :: n_threads
+      integer(c_size_t), value :: n_cells
+      real(c_double), intent(inout) :: fractions(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_fractions_of_ball(part, center, radius, samples, n_threads, n_cells, fractions) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      real(c_double), intent(in) :: center(*)
+      real(c_double), value :: radius
+      integer(c_int32_t), value :: samples
+      integer(c_int32_t), value :: n_threads
+      integer(c_size_t), value :: n_cells
+      real(c_double), intent(inout) :: fractions(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_fractions_of_cylinder(part, ends, radius, samples, n_threads, n_cells, fractions) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      real(c_double), intent(in) :: ends(*)
+      real(c_double), value :: radius
+      integer(c_int32_t), value :: samples
+      integer(c_int32_t), value :: n_threads
+      integer(c_size_t), value :: n_cells
+      real(c_double), intent(inout) :: fractions(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_pair_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_family_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_family_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_optimise_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_optimise_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_sweep(part, cells, n_cells, motion, still, still_motion, options, n_still, swept) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      type(c_ptr), value :: cells
+      integer(c_size_t), value :: n_cells
+      type(c_ptr), value :: motion
+      type(c_ptr), value :: still
+      type(c_ptr), value :: still_motion
+      type(ko_pair_options), intent(in) :: options
+      integer(c_size_t), value :: n_still
+      integer(c_int8_t), intent(inout) :: swept(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_unsweep(part, motion, body, body_cells, n_body, body_motion, rule, options, n_cells, &
+      kept) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      type(c_ptr), value :: motion
+      type(c_ptr), value :: body
+      type(c_ptr), value :: body_cells
+      integer(c_size_t), value :: n_body
+      type(c_ptr), value :: body_motion
+      integer(c_int32_t), value :: rule
+      type(ko_pair_options), intent(in) :: options
+      integer(c_size_t), value :: n_cells
+      integer(c_int8_t), intent(inout) :: kept(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_create(part_1, motion_1, part_2, motion_2, options, pair) bind(c) result(status)
+      import
+      type(c_ptr), value :: part_1
+      type(c_ptr), value :: motion_1
+      type(c_ptr), value :: part_2
+      type(c_ptr), value :: motion_2
+      type(ko_pair_options), intent(in) :: options
+      type(c_ptr), intent(out) :: pair
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_pair_free(pair) bind(c)
+      import
+      type(c_ptr), value :: pair
+    end subroutine
+
+    function ko_pair_get_report(pair, report_size, report) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      integer(c_size_t), value :: report_size
+      type(ko_pair_report), intent(inout) :: report
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_measures(pair, densities_1, n_1, densities_2, n_2, n_threads, g21, g12) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      real(c_double), intent(in) :: densities_1(*)
+      integer(c_size_t), value :: n_1
+      real(c_double), intent(in) :: densities_2(*)
+      integer(c_size_t), value :: n_2
+      integer(c_int32_t), value :: n_threads
+      real(c_double), intent(inout) :: g21
+      real(c_double), intent(inout) :: g12
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_local_measures(pair, densities_1, n_1, densities_2, n_2, n_threads, l21, l12) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      real(c_double), intent(in) :: densities_1(*)
+      integer(c_size_t), value :: n_1
+      real(c_double), intent(in) :: densities_2(*)
+      integer(c_size_t), value :: n_2
+      integer(c_int32_t), value :: n_threads
+      type(c_ptr), value :: l21
+      type(c_ptr), value :: l12
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_sensitivities(pair, densities_1, n_1, densities_2, n_2, n_threads, d21_d1, d21_d2, d12_d1, &
+      d12_d2) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      real(c_double), intent(in) :: densities_1(*)
+      integer(c_size_t), value :: n_1
+      real(c_double), intent(in) :: densities_2(*)
+      integer(c_size_t), value :: n_2
+      integer(c_int32_t), value :: n_threads
+      real(c_double), intent(inout) :: d21_d1(*)
+      real(c_double), intent(inout) :: d21_d2(*)
+      real(c_double), intent(inout) :: d12_d1(*)
+      real(c_double), intent(inout) :: d12_d2(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_colliding(pair, n_1, n_2, cells_1, cells_2) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      integer(c_size_t), value :: n_1
+      integer(c_size_t), value :: n_2
+      integer(c_int8_t), intent(inout) :: cells_1(*)
+      integer(c_int8_t), intent(inout) :: cells_2(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_volumes(pair, set_1, n_1, set_2, n_2, volumes, gamma, n_lost) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      integer(c_int8_t), intent(in) :: set_1(*)
+      integer(c_size_t), value :: n_1
+      integer(c_int8_t), intent(in) :: set_2(*)
+      integer(c_size_t), value :: n_2
+      real(c_double), intent(inout) :: volumes(*)
+      real(c_double), intent(inout) :: gamma
+      integer(c_size_t), intent(inout) :: n_lost
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_close(pair, set_1, set_2, from, n_1, n_2, cells_1, cells_2, gamma) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      type(c_ptr), value :: set_1
+      type(c_ptr), value :: set_2
+      integer(c_int32_t), value :: from
+      integer(c_size_t), value :: n_1
+      integer(c_size_t), value :: n_2
+      integer(c_int8_t), intent(inout) :: cells_1(*)
+      integer(c_int8_t), intent(inout) :: cells_2(*)
+      real(c_double), intent(inout) :: gamma
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_cut(pair, weights_1, weights_2, options, n_1, n_2, cells_1, cells_2, weight, bound, &
+      gamma) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      type(c_ptr), value :: weights_1
+      type(c_ptr), value :: weights_2
+      type(ko_family_options), intent(in) :: options
+      integer(c_size_t), value :: n_1
+      integer(c_size_t), value :: n_2
+      integer(c_int8_t), intent(inout) :: cells_1(*)
+      integer(c_int8_t), intent(inout) :: cells_2(*)
+      real(c_double), intent(inout) :: weight
+      real(c_double), intent(inout) :: bound
+      real(c_double), intent(inout) :: gamma
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_family(pair, weights_1, weights_2, gammas, n_gammas, options, n_1, n_2, cells_1, cells_2, reached, &
+      volumes, bounds) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      type(c_ptr), value :: weights_1
+      type(c_ptr), value :: weights_2
+      real(c_double), intent(in) :: gammas(*)
+      integer(c_size_t), value :: n_gammas
+      type(ko_family_options), intent(in) :: options
+      integer(c_size_t), value :: n_1
+      integer(c_size_t), value :: n_2
+      integer(c_int8_t), intent(inout) :: cells_1(*)
+      integer(c_int8_t), intent(inout) :: cells_2(*)
+      type(c_ptr), value :: reached
+      type(c_ptr), value :: volumes
+      type(c_ptr), value :: bounds
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_optimise(pair, options, n_1, n_2, densities_1, densities_2, cells_1, cells_2, history, report_size, &
+      report) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      type(ko_optimise_options), intent(in) :: options
+      integer(c_size_t), value :: n_1
+      integer(c_size_t), value :: n_2
+      type(c_ptr), value :: densities_1
+      type(c_ptr), value :: densities_2
+      integer(c_int8_t), intent(inout) :: cells_1(*)
+      integer(c_int8_t), intent(inout) :: cells_2(*)
+      type(c_ptr), value :: history
+      integer(c_size_t), value :: report_size
+      type(ko_optimise_report), intent(inout) :: report
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_contact(pair, set_1, n_1, set_2, n_2, n_times, n_threads, progress, progress_data, gaps, cells, places, &
+      largest, mean) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      integer(c_int8_t), intent(in) :: set_1(*)
+      integer(c_size_t), value :: n_1
+      integer(c_int8_t), intent(in) :: set_2(*)
+      integer(c_size_t), value :: n_2
+      integer(c_size_t), value :: n_times
+      integer(c_int32_t), value :: n_threads
+      type(c_funptr), value :: progress
+      type(c_ptr), value :: progress_data
+      type(c_ptr), value :: gaps
+      type(c_ptr), value :: cells
+      type(c_ptr), value :: places
+      real(c_double), intent(inout) :: largest
+      real(c_double), intent(inout) :: mean
+      integer(c_int32_t) :: status
+    end function
   end interface
 end module
 
@@ -1241,6 +1780,79 @@ module keepout
     final :: explicit_final
   end type
 
+  ! A rigid motion of one parameter t in [0, 1], from a part's frame to the world. Rotations are matrices R here: x_w = R x + t.
+  type :: keepout_motion
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+  contains
+    procedure :: fixed => motion_fixed
+    procedure :: slide => motion_slide
+    procedure :: turn => motion_turn
+    procedure :: screw => motion_screw
+    procedure :: sampled => motion_sampled
+    procedure :: from_function => motion_from_function
+    procedure :: product => motion_product
+    procedure :: inverse => motion_inverse
+    procedure :: free => motion_free
+    procedure :: dim => motion_dim
+    procedure :: eval => motion_eval
+    procedure :: c_handle => motion_c_handle
+    procedure, private :: motion_assign
+    generic :: assignment(=) => motion_assign
+    final :: motion_final
+  end type
+
+  ! A grid of square or cubic cells, and what a part may do with each. Cells are numbered with the last axis the fastest; sets of them are arrays
+  ! of 0 and 1, densities arrays of numbers in [0, 1].
+  type :: keepout_part
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer(c_size_t), private :: n = 0
+  contains
+    procedure :: create => part_create
+    procedure :: free => part_free
+    procedure :: dim => part_dim
+    procedure :: n_cells => part_n_cells
+    procedure :: grid => part_grid
+    procedure :: copy_cells => part_copy_cells
+    procedure :: fractions_of_mesh => part_fractions_of_mesh
+    procedure :: fractions_of_field => part_fractions_of_field
+    procedure :: fractions_of_box => part_fractions_of_box
+    procedure :: fractions_of_ball => part_fractions_of_ball
+    procedure :: fractions_of_cylinder => part_fractions_of_cylinder
+    procedure :: sweep => part_sweep
+    procedure :: unsweep => part_unsweep
+    procedure :: c_handle => part_c_handle
+    procedure, private :: part_assign
+    generic :: assignment(=) => part_assign
+    final :: part_final
+  end type
+
+  ! Two parts in relative motion: how they collide, and sets of cells that never do.
+  type :: keepout_pair
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer(c_size_t), private :: n(2) = 0
+  contains
+    procedure :: create => pair_create
+    procedure :: free => pair_free
+    procedure :: report => pair_report
+    procedure :: measures => pair_measures
+    procedure :: local_measures => pair_local_measures
+    procedure :: sensitivities => pair_sensitivities
+    procedure :: colliding => pair_colliding
+    procedure :: volumes => pair_volumes
+    procedure :: close => pair_close
+    procedure :: cut => pair_cut
+    procedure :: family => pair_family
+    procedure :: optimise => pair_optimise
+    procedure :: contact => pair_contact
+    procedure :: c_handle => pair_c_handle
+    procedure, private :: pair_assign
+    generic :: assignment(=) => pair_assign
+    final :: pair_final
+  end type
+
   ! Extended by who wants to be told of progress, with what he keeps meanwhile.
   type, abstract :: keepout_listener
   contains
@@ -1292,6 +1904,14 @@ module keepout
   private :: explicit_final, cloud_follow, cloud_pull_back, sensitivity_create, sensitivity_free, sensitivity_solve
   private :: sensitivity_c_handle, sensitivity_assign, sensitivity_final
   private :: field_outside_box, field_c_handle, field_assign, field_final, addresses, pass_on, hear_progress
+  private :: motion_fixed, motion_slide, motion_turn, motion_screw, motion_sampled, motion_from_function, motion_product
+  private :: motion_inverse, motion_free, motion_dim, motion_eval, motion_c_handle, motion_assign, motion_final, motion_adopt
+  private :: part_create, part_free, part_dim, part_n_cells, part_grid, part_copy_cells, part_fractions_of_mesh
+  private :: part_fractions_of_field, part_fractions_of_box, part_fractions_of_ball, part_fractions_of_cylinder, part_sweep
+  private :: part_unsweep, part_c_handle, part_assign, part_final
+  private :: pair_create, pair_free, pair_report, pair_measures, pair_local_measures, pair_sensitivities, pair_colliding
+  private :: pair_volumes, pair_close, pair_cut, pair_family, pair_optimise, pair_contact, pair_c_handle, pair_assign, pair_final
+  private :: of_pair, given, motion_of
 
 contains
 
@@ -1356,6 +1976,40 @@ contains
   function keepout_aggregation() result(aggregation)
     type(ko_aggregation) :: aggregation
     call settle(ko_aggregation_init(aggregation, c_sizeof(aggregation)))
+  end function
+
+  ! f(t) = offset + slope t + the sum of a cos(2 pi c t + p) over waves (3, n), each a, c, p. `waves` must be a target that stays as long as
+  ! the law is used.
+  function keepout_law(slope, offset, waves) result(law)
+    real(c_double), intent(in), optional :: slope, offset
+    real(c_double), intent(in), contiguous, target, optional :: waves(:, :)
+    type(ko_law) :: law
+    call settle(ko_law_init(law, c_sizeof(law)))
+    if (present(slope)) law%slope = slope
+    if (present(offset)) law%offset = offset
+    if (present(waves)) then
+      if (.not. right_size("waves", "rows", size(waves, 1), 3)) return
+      law%n_waves = size(waves, 2, c_size_t)
+      if (law%n_waves > 0) law%waves = c_loc(waves)
+    end if
+  end function
+
+  ! Options of pairs, sweeps and unsweeps with the defaults.
+  function keepout_pair_options() result(options)
+    type(ko_pair_options) :: options
+    call settle(ko_pair_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of cuts and families with the defaults.
+  function keepout_family_options() result(options)
+    type(ko_family_options) :: options
+    call settle(ko_family_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of optimisations with the defaults.
+  function keepout_optimise_options() result(options)
+    type(ko_optimise_options) :: options
+    call settle(ko_optimise_options_init(options, c_sizeof(options)))
   end function
 
   ! The aggregate of values (n), with D the `unit`, and its derivatives: gradient (n), and hessian (n (n + 1) / 2), rows of the lower
@@ -2565,6 +3219,773 @@ contains
     type(c_ptr) :: handle
     handle = self%handle
   end function
+
+  ! ---- Co-generation
+
+  ! At a pose: rotation (dim, dim) and translation (dim), each none where it is absent.
+  subroutine motion_fixed(self, dim, rotation, translation, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    integer, intent(in) :: dim
+    real(c_double), intent(in), optional :: rotation(:, :)
+    real(c_double), intent(in), contiguous, target, optional :: translation(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    real(c_double), target :: rows(max(dim, 0), max(dim, 0))
+    type(c_ptr) :: from(2), handle
+    integer(c_int32_t) :: status
+    from = c_null_ptr
+    if (present(rotation)) then
+      if (.not. right_shape("rotation", shape(rotation), [dim, dim], stat, errmsg)) return
+      rows = transpose(rotation)
+      from(1) = c_loc(rows)
+    end if
+    if (present(translation)) then
+      if (.not. right_size("translation", "entries", size(translation), dim, stat, errmsg)) return
+      from(2) = c_loc(translation)
+    end if
+    status = ko_motion_fixed(int(dim, c_int32_t), from(1), from(2), handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! A slide by f(t) times along (dim).
+  subroutine motion_slide(self, along, law, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: along(:)
+    type(ko_law), intent(in) :: law
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_motion_slide(size(along, 1, c_int32_t), along, law, handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! A turn in the plane about `center`, by f(t) radians counter-clockwise.
+  subroutine motion_turn(self, center, law, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    real(c_double), intent(in) :: center(2)
+    type(ko_law), intent(in) :: law
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_motion_turn(center, law, handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! A screw in space about the line through `point` along `axis`: f(t) radians, and a slide of `lead` a radian.
+  subroutine motion_screw(self, point, axis, lead, law, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    real(c_double), intent(in) :: point(3), axis(3), lead
+    type(ko_law), intent(in) :: law
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_motion_screw(point, axis, lead, law, handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Through poses at even times: rotations (dim, dim, n) and translations (dim, n), with screws between them.
+  subroutine motion_sampled(self, rotations, translations, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    real(c_double), intent(in) :: rotations(:, :, :)
+    real(c_double), intent(in), contiguous :: translations(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    real(c_double), allocatable :: rows(:, :, :)
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    integer :: k, failed
+    if (.not. right_shape("each of rotations", [size(rotations, 1), size(rotations, 2)], &
+      [size(translations, 1), size(translations, 1)], stat, errmsg)) return
+    if (.not. right_size("rotations", "matrices", size(rotations, 3), size(translations, 2), stat, errmsg)) return
+    allocate (rows(size(rotations, 1), size(rotations, 2), size(rotations, 3)), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
+    do k = 1, size(rotations, 3)
+      rows(:, :, k) = transpose(rotations(:, :, k))
+    end do
+    status = ko_motion_sampled(size(translations, 1, c_int32_t), rows, translations, size(translations, 2, c_size_t), handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Through `n_poses` poses at even times that `pose`, the address of a ko_pose_function, is asked for with `data`.
+  subroutine motion_from_function(self, dim, pose, data, n_poses, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    integer, intent(in) :: dim, n_poses
+    type(c_funptr), intent(in) :: pose
+    type(c_ptr), intent(in) :: data
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_motion_from_function(int(dim, c_int32_t), pose, data, int(max(n_poses, 0), c_size_t), handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Two wheels about centers (2, 2) that turn against each other: the first by `turns`, the second by `ratio` times that.
+  subroutine keepout_gears(centers, turns, ratio, first, second, stat, errmsg)
+    real(c_double), intent(in) :: centers(2, 2), turns, ratio
+    type(keepout_motion), intent(inout) :: first, second
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handles(2)
+    integer(c_int32_t) :: status
+    status = ko_motion_gears(reshape(centers, [4]), turns, ratio, handles(1), handles(2))
+    if (status >= KO_OK) then
+      call motion_adopt(first, handles(1))
+      call motion_adopt(second, handles(2))
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The motions of a four-bar linkage with pivots (2, 2) and the lengths of crank, coupler and rocker: see ko_motion_four_bar.
+  subroutine keepout_four_bar(pivots, lengths, from, by, bend, n_steps, crank, coupler, rocker, stat, errmsg)
+    real(c_double), intent(in) :: pivots(2, 2), lengths(3), from, by
+    integer, intent(in) :: bend, n_steps
+    type(keepout_motion), intent(inout) :: crank, coupler, rocker
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handles(3)
+    integer(c_int32_t) :: status
+    status = ko_motion_four_bar(reshape(pivots, [4]), lengths, from, by, int(bend, c_int32_t), int(max(n_steps, 0), c_size_t), &
+      handles(1), handles(2), handles(3))
+    if (status >= KO_OK) then
+      call motion_adopt(crank, handles(1))
+      call motion_adopt(coupler, handles(2))
+      call motion_adopt(rocker, handles(3))
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The product of two motions: what `inner` does is seen from what `outer` moves.
+  subroutine motion_product(self, outer, inner, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    type(keepout_motion), intent(in) :: outer, inner
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_motion_product(outer%handle, inner%handle, handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The motion that undoes `of` at each time.
+  subroutine motion_inverse(self, of, stat, errmsg)
+    class(keepout_motion), intent(inout) :: self
+    type(keepout_motion), intent(in) :: of
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    status = ko_motion_inverse(of%handle, handle)
+    if (status >= KO_OK) call motion_adopt(self, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine motion_free(self)
+    class(keepout_motion), intent(inout) :: self
+    call ko_motion_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function motion_dim(self)
+    class(keepout_motion), intent(in) :: self
+    motion_dim = self%width
+  end function
+
+  ! Poses at times (n): rotations (dim, dim, n) and translations (dim, n).
+  subroutine motion_eval(self, times, rotations, translations, stat, errmsg)
+    class(keepout_motion), intent(in) :: self
+    real(c_double), intent(in), contiguous :: times(:)
+    real(c_double), intent(inout), contiguous :: rotations(:, :, :)
+    real(c_double), intent(inout), contiguous :: translations(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer :: k
+    integer(c_int32_t) :: status
+    if (self%width > 0) then
+      if (.not. right_shape("each of rotations", [size(rotations, 1), size(rotations, 2)], [self%width, self%width], &
+        stat, errmsg)) return
+      if (.not. right_size("rotations", "matrices", size(rotations, 3), size(times), stat, errmsg)) return
+      if (.not. right_shape("translations", shape(translations), [self%width, size(times)], stat, errmsg)) return
+    end if
+    status = ko_motion_eval(self%handle, times, size(times, 1, c_size_t), rotations, translations)
+    if (status >= KO_OK) then
+      do k = 1, size(rotations, 3)
+        rotations(:, :, k) = transpose(rotations(:, :, k))
+      end do
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the motion's.
+  pure function motion_c_handle(self) result(handle)
+    class(keepout_motion), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! counts (dim) cells of this edge from corner (dim) on; cells (n_cells) are KO_CELL_ constants, all free where they are absent.
+  subroutine part_create(self, corner, cell_edge, counts, cells, stat, errmsg)
+    class(keepout_part), intent(inout) :: self
+    real(c_double), intent(in), contiguous :: corner(:)
+    real(c_double), intent(in) :: cell_edge
+    integer, intent(in) :: counts(:)
+    integer(c_int8_t), intent(in), contiguous, target, optional :: cells(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(c_ptr) :: handle, own
+    integer(c_int32_t) :: status, dim
+    integer(c_size_t) :: n
+    if (.not. right_size("counts", "entries", size(counts), size(corner), stat, errmsg)) return
+    own = c_null_ptr
+    n = 0
+    if (present(cells)) then
+      n = size(cells, 1, c_size_t)
+      if (n > 0) own = c_loc(cells)
+    end if
+    status = ko_part_create(size(corner, 1, c_int32_t), corner, cell_edge, int(max(counts, 0), c_size_t), own, n, handle)
+    if (status >= KO_OK) then
+      call self%free()
+      self%handle = handle
+      call settle(ko_part_get_size(handle, dim, self%n))
+      self%width = int(dim)
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine part_free(self)
+    class(keepout_part), intent(inout) :: self
+    call ko_part_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%n = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function part_dim(self)
+    class(keepout_part), intent(in) :: self
+    part_dim = self%width
+  end function
+
+  pure integer(c_size_t) function part_n_cells(self)
+    class(keepout_part), intent(in) :: self
+    part_n_cells = self%n
+  end function
+
+  ! The grid as it was given: corner (dim), the cells' edge, counts (dim).
+  subroutine part_grid(self, corner, cell_edge, counts, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    real(c_double), intent(inout), contiguous :: corner(:)
+    real(c_double), intent(inout) :: cell_edge
+    integer(c_size_t), intent(inout), contiguous :: counts(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_size("corner", "entries", size(corner), self%width, stat, errmsg)) return
+      if (.not. right_size("counts", "entries", size(counts), self%width, stat, errmsg)) return
+    end if
+    call settle(ko_part_get_grid(self%handle, corner, cell_edge, counts), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills cells (n_cells): KO_CELL_ constants.
+  subroutine part_copy_cells(self, cells, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    integer(c_int8_t), allocatable, intent(out) :: cells(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer :: failed
+    allocate (cells(self%n), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
+    call settle(ko_part_copy_cells(self%handle, self%n, cells), stat, errmsg)
+  end subroutine
+
+  ! What part of each cell the mesh's solid fills, fractions (n_cells), by `samples` points along a cell's edge; n_threads 0: all cores.
+  subroutine part_fractions_of_mesh(self, mesh, samples, fractions, n_threads, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    type(keepout_mesh), intent(in) :: mesh
+    integer, intent(in) :: samples
+    real(c_double), intent(inout), contiguous :: fractions(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_part_fractions_of_mesh(self%handle, mesh%handle, int(max(samples, 0), c_int32_t), given(n_threads), &
+      size(fractions, 1, c_size_t), fractions), stat, errmsg)
+  end subroutine
+
+  ! The same of a field's solid; `steepness` bounds the length of its gradient.
+  subroutine part_fractions_of_field(self, field, steepness, samples, fractions, n_threads, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    type(keepout_field), intent(in) :: field
+    real(c_double), intent(in) :: steepness
+    integer, intent(in) :: samples
+    real(c_double), intent(inout), contiguous :: fractions(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_part_fractions_of_field(self%handle, field%handle, steepness, int(max(samples, 0), c_int32_t), &
+      given(n_threads), size(fractions, 1, c_size_t), fractions), stat, errmsg)
+  end subroutine
+
+  ! The same of a box from box_min (dim) to box_max (dim).
+  subroutine part_fractions_of_box(self, box_min, box_max, samples, fractions, n_threads, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    real(c_double), intent(in), contiguous :: box_min(:), box_max(:)
+    integer, intent(in) :: samples
+    real(c_double), intent(inout), contiguous :: fractions(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_size("box_min", "entries", size(box_min), self%width, stat, errmsg)) return
+      if (.not. right_size("box_max", "entries", size(box_max), self%width, stat, errmsg)) return
+    end if
+    call settle(ko_part_fractions_of_box(self%handle, box_min, box_max, int(max(samples, 0), c_int32_t), given(n_threads), &
+      size(fractions, 1, c_size_t), fractions), stat, errmsg)
+  end subroutine
+
+  ! The same of a ball, in the plane a disc, around center (dim).
+  subroutine part_fractions_of_ball(self, center, radius, samples, fractions, n_threads, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    real(c_double), intent(in), contiguous :: center(:)
+    real(c_double), intent(in) :: radius
+    integer, intent(in) :: samples
+    real(c_double), intent(inout), contiguous :: fractions(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_size("center", "entries", size(center), self%width, stat, errmsg)) return
+    end if
+    call settle(ko_part_fractions_of_ball(self%handle, center, radius, int(max(samples, 0), c_int32_t), given(n_threads), &
+      size(fractions, 1, c_size_t), fractions), stat, errmsg)
+  end subroutine
+
+  ! The same of a cylinder, in the plane a strip, between the middles of its ends (dim, 2).
+  subroutine part_fractions_of_cylinder(self, ends, radius, samples, fractions, n_threads, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    real(c_double), intent(in), contiguous :: ends(:, :)
+    real(c_double), intent(in) :: radius
+    integer, intent(in) :: samples
+    real(c_double), intent(inout), contiguous :: fractions(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (self%width > 0) then
+      if (.not. right_shape("ends", shape(ends), [self%width, 2], stat, errmsg)) return
+    end if
+    call settle(ko_part_fractions_of_cylinder(self%handle, ends, radius, int(max(samples, 0), c_int32_t), given(n_threads), &
+      size(fractions, 1, c_size_t), fractions), stat, errmsg)
+  end subroutine
+
+  ! Which cells of `still` this part's `cells`, without them all that it may have, pass over, into swept. A part without motion stays.
+  subroutine part_sweep(self, motion, still, swept, still_motion, cells, options, listener, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    type(keepout_motion), intent(in) :: motion
+    type(keepout_part), intent(in) :: still
+    integer(c_int8_t), intent(inout), contiguous :: swept(:)
+    type(keepout_motion), intent(in), optional :: still_motion
+    integer(c_int8_t), intent(in), contiguous, target, optional :: cells(:)
+    type(ko_pair_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_pair_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: own
+    integer(c_size_t) :: n
+    plain = keepout_pair_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    own = c_null_ptr
+    n = 0
+    if (present(cells)) then
+      n = size(cells, 1, c_size_t)
+      if (n > 0) own = c_loc(cells)
+    end if
+    call settle(ko_part_sweep(self%handle, own, n, motion%handle, still%handle, motion_of(still_motion), plain, &
+      size(swept, 1, c_size_t), swept), stat, errmsg)
+  end subroutine
+
+  ! Takes out of kept (n_cells) what breaks `rule`, KO_AVOID or KO_STAY_IN, about `body` and its cells, without them all that it may have.
+  subroutine part_unsweep(self, motion, body, rule, kept, body_motion, body_cells, options, listener, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    type(keepout_motion), intent(in) :: motion
+    type(keepout_part), intent(in) :: body
+    integer(c_int32_t), intent(in) :: rule
+    integer(c_int8_t), intent(inout), contiguous :: kept(:)
+    type(keepout_motion), intent(in), optional :: body_motion
+    integer(c_int8_t), intent(in), contiguous, target, optional :: body_cells(:)
+    type(ko_pair_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_pair_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: own
+    integer(c_size_t) :: n
+    plain = keepout_pair_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    own = c_null_ptr
+    n = 0
+    if (present(body_cells)) then
+      n = size(body_cells, 1, c_size_t)
+      if (n > 0) own = c_loc(body_cells)
+    end if
+    call settle(ko_part_unsweep(self%handle, motion%handle, body%handle, own, n, motion_of(body_motion), rule, plain, &
+      size(kept, 1, c_size_t), kept), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the part's.
+  pure function part_c_handle(self) result(handle)
+    class(keepout_part), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! The handle of a motion, NULL where it is absent.
+  function motion_of(motion) result(handle)
+    type(keepout_motion), intent(in), optional :: motion
+    type(c_ptr) :: handle
+    handle = c_null_ptr
+    if (present(motion)) handle = motion%handle
+  end function
+
+  ! A number of threads, 0 where it is absent.
+  pure integer(c_int32_t) function given(n_threads)
+    integer, intent(in), optional :: n_threads
+    given = 0
+    if (present(n_threads)) given = int(n_threads, c_int32_t)
+  end function
+
+  ! Of two parts and their motions; a part without motion stays. stat may be KO_NEVER_MEET, which is no error. `listener` is told of progress.
+  subroutine pair_create(self, part_1, part_2, motion_1, motion_2, options, listener, stat, errmsg)
+    class(keepout_pair), intent(inout) :: self
+    type(keepout_part), intent(in) :: part_1, part_2
+    type(keepout_motion), intent(in), optional :: motion_1, motion_2
+    type(ko_pair_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_pair_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle
+    integer(c_int32_t) :: status
+    plain = keepout_pair_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    status = ko_pair_create(part_1%handle, motion_of(motion_1), part_2%handle, motion_of(motion_2), plain, handle)
+    if (status >= KO_OK) then
+      call self%free()
+      self%handle = handle
+      self%width = part_1%width
+      self%n = [part_1%n, part_2%n]
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine pair_free(self)
+    class(keepout_pair), intent(inout) :: self
+    call ko_pair_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%n = 0
+  end subroutine
+
+  subroutine pair_report(self, report, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    type(ko_pair_report), intent(inout) :: report
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_pair_get_report(self%handle, c_sizeof(report), report), stat, errmsg)
+  end subroutine
+
+  ! Whether an array has an entry for each cell of part `k`; of nothing held the call tells.
+  logical function of_pair(self, name, found, k, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    character(len=*), intent(in) :: name
+    integer, intent(in) :: found, k
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    of_pair = self%width == 0
+    if (.not. of_pair) of_pair = right_size(name, "entries", found, int(self%n(k)), stat, errmsg)
+  end function
+
+  ! (29) and (30) of densities (n_1), (n_2).
+  subroutine pair_measures(self, densities_1, densities_2, g21, g12, n_threads, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    real(c_double), intent(in), contiguous :: densities_1(:), densities_2(:)
+    real(c_double), intent(inout) :: g21, g12
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_pair_measures(self%handle, densities_1, size(densities_1, 1, c_size_t), densities_2, &
+      size(densities_2, 1, c_size_t), given(n_threads), g21, g12), stat, errmsg)
+  end subroutine
+
+  ! (12), l21 (n_1), and (13), l12 (n_2).
+  subroutine pair_local_measures(self, densities_1, densities_2, l21, l12, n_threads, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    real(c_double), intent(in), contiguous :: densities_1(:), densities_2(:)
+    real(c_double), intent(inout), contiguous, target :: l21(:), l12(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("l21", "entries", size(l21), size(densities_1), stat, errmsg)) return
+    if (.not. right_size("l12", "entries", size(l12), size(densities_2), stat, errmsg)) return
+    call settle(ko_pair_local_measures(self%handle, densities_1, size(densities_1, 1, c_size_t), densities_2, &
+      size(densities_2, 1, c_size_t), given(n_threads), c_loc(l21), c_loc(l12)), stat, errmsg)
+  end subroutine
+
+  ! (31) and (32): of g21 by both parts' densities, d21_d1 (n_1) and d21_d2 (n_2), and of g12.
+  subroutine pair_sensitivities(self, densities_1, densities_2, d21_d1, d21_d2, d12_d1, d12_d2, n_threads, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    real(c_double), intent(in), contiguous :: densities_1(:), densities_2(:)
+    real(c_double), intent(inout), contiguous :: d21_d1(:), d21_d2(:), d12_d1(:), d12_d2(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("d21_d1", "entries", size(d21_d1), size(densities_1), stat, errmsg)) return
+    if (.not. right_size("d21_d2", "entries", size(d21_d2), size(densities_2), stat, errmsg)) return
+    if (.not. right_size("d12_d1", "entries", size(d12_d1), size(densities_1), stat, errmsg)) return
+    if (.not. right_size("d12_d2", "entries", size(d12_d2), size(densities_2), stat, errmsg)) return
+    call settle(ko_pair_sensitivities(self%handle, densities_1, size(densities_1, 1, c_size_t), densities_2, &
+      size(densities_2, 1, c_size_t), given(n_threads), d21_d1, d21_d2, d12_d1, d12_d2), stat, errmsg)
+  end subroutine
+
+  ! The initially colliding subdomains, (33) to (36): cells_1 (n_1) and cells_2 (n_2).
+  subroutine pair_colliding(self, cells_1, cells_2, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(inout), contiguous :: cells_1(:), cells_2(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_pair_colliding(self%handle, size(cells_1, 1, c_size_t), size(cells_2, 1, c_size_t), cells_1, cells_2), &
+      stat, errmsg)
+  end subroutine
+
+  ! Of any sets: what is left of the colliding cells, gamma, and how many cells of part 2 conflict with part 1's.
+  subroutine pair_volumes(self, set_1, set_2, volumes, gamma, n_lost, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(in), contiguous :: set_1(:), set_2(:)
+    real(c_double), intent(inout) :: volumes(2), gamma
+    integer(c_size_t), intent(inout) :: n_lost
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_pair_volumes(self%handle, set_1, size(set_1, 1, c_size_t), set_2, size(set_2, 1, c_size_t), volumes, gamma, &
+      n_lost), stat, errmsg)
+  end subroutine
+
+  ! From any sets to a pair that never collides and cannot grow, cells_1 (n_1) and cells_2 (n_2); `from` 1 or 2, 0: the larger.
+  subroutine pair_close(self, set_1, set_2, from, cells_1, cells_2, gamma, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(in), contiguous, target :: set_1(:), set_2(:)
+    integer, intent(in) :: from
+    integer(c_int8_t), intent(inout), contiguous :: cells_1(:), cells_2(:)
+    real(c_double), intent(inout) :: gamma
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("cells_1", "entries", size(cells_1), size(set_1), stat, errmsg)) return
+    if (.not. right_size("cells_2", "entries", size(cells_2), size(set_2), stat, errmsg)) return
+    call settle(ko_pair_close(self%handle, c_loc(set_1), c_loc(set_2), int(from, c_int32_t), size(cells_1, 1, c_size_t), &
+      size(cells_2, 1, c_size_t), cells_1, cells_2, gamma), stat, errmsg)
+  end subroutine
+
+  ! The pair of the greatest weight, cells_1 (n_1) and cells_2 (n_2), its `weight`, the `bound` that proves it, and its gamma. Weights (n_1)
+  ! and (n_2) are areas or volumes where they are absent.
+  subroutine pair_cut(self, cells_1, cells_2, weight, bound, gamma, weights_1, weights_2, options, listener, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(inout), contiguous :: cells_1(:), cells_2(:)
+    real(c_double), intent(inout) :: weight, bound, gamma
+    real(c_double), intent(in), contiguous, target, optional :: weights_1(:), weights_2(:)
+    type(ko_family_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_family_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: from(2)
+    plain = keepout_family_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    from = c_null_ptr
+    if (present(weights_1)) then
+      if (.not. of_pair(self, "weights_1", size(weights_1), 1, stat, errmsg)) return
+      from(1) = c_loc(weights_1)
+    end if
+    if (present(weights_2)) then
+      if (.not. of_pair(self, "weights_2", size(weights_2), 2, stat, errmsg)) return
+      from(2) = c_loc(weights_2)
+    end if
+    call settle(ko_pair_cut(self%handle, from(1), from(2), plain, size(cells_1, 1, c_size_t), size(cells_2, 1, c_size_t), cells_1, &
+      cells_2, weight, bound, gamma), stat, errmsg)
+  end subroutine
+
+  ! A pair for each of gammas (n): cells_1 (n_1, n) and cells_2 (n_2, n), the gammas `reached` (n), what is left of the colliding cells,
+  ! volumes (2, n), and bounds (n). Weights as for cut.
+  subroutine pair_family(self, gammas, cells_1, cells_2, reached, volumes, bounds, weights_1, weights_2, options, listener, stat, &
+    errmsg)
+    class(keepout_pair), intent(in) :: self
+    real(c_double), intent(in), contiguous :: gammas(:)
+    integer(c_int8_t), intent(inout), contiguous :: cells_1(:, :), cells_2(:, :)
+    real(c_double), intent(inout), contiguous, target :: reached(:), volumes(:, :), bounds(:)
+    real(c_double), intent(in), contiguous, target, optional :: weights_1(:), weights_2(:)
+    type(ko_family_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_family_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: from(2)
+    integer :: n
+    n = size(gammas)
+    if (.not. right_size("cells_1", "columns", size(cells_1, 2), n, stat, errmsg)) return
+    if (.not. right_size("cells_2", "columns", size(cells_2, 2), n, stat, errmsg)) return
+    if (.not. right_size("reached", "entries", size(reached), n, stat, errmsg)) return
+    if (.not. right_shape("volumes", shape(volumes), [2, n], stat, errmsg)) return
+    if (.not. right_size("bounds", "entries", size(bounds), n, stat, errmsg)) return
+    plain = keepout_family_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    from = c_null_ptr
+    if (present(weights_1)) then
+      if (.not. of_pair(self, "weights_1", size(weights_1), 1, stat, errmsg)) return
+      from(1) = c_loc(weights_1)
+    end if
+    if (present(weights_2)) then
+      if (.not. of_pair(self, "weights_2", size(weights_2), 2, stat, errmsg)) return
+      from(2) = c_loc(weights_2)
+    end if
+    call settle(ko_pair_family(self%handle, from(1), from(2), gammas, size(gammas, 1, c_size_t), plain, &
+      size(cells_1, 1, c_size_t), size(cells_2, 1, c_size_t), cells_1, cells_2, c_loc(reached), c_loc(volumes), c_loc(bounds)), &
+      stat, errmsg)
+  end subroutine
+
+  ! Moving asymptotes, then closure: cells_1 (n_1) and cells_2 (n_2), and the densities before. history (5, n) gets V_1, V_2, g21, g12 and the
+  ! change of each iterate, and must have a column more than there may be iterations. stat may be KO_BUDGET_REACHED, which is no error.
+  subroutine pair_optimise(self, cells_1, cells_2, report, options, densities_1, densities_2, history, listener, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(inout), contiguous :: cells_1(:), cells_2(:)
+    type(ko_optimise_report), intent(inout) :: report
+    type(ko_optimise_options), intent(in), optional :: options
+    real(c_double), intent(inout), contiguous, target, optional :: densities_1(:), densities_2(:), history(:, :)
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_optimise_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: to(3)
+    plain = keepout_optimise_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    to = c_null_ptr
+    if (present(densities_1)) then
+      if (.not. right_size("densities_1", "entries", size(densities_1), size(cells_1), stat, errmsg)) return
+      to(1) = c_loc(densities_1)
+    end if
+    if (present(densities_2)) then
+      if (.not. right_size("densities_2", "entries", size(densities_2), size(cells_2), stat, errmsg)) return
+      to(2) = c_loc(densities_2)
+    end if
+    if (present(history)) then
+      if (.not. right_shape("history", shape(history), [5, int(plain%max_iterations) + 1], stat, errmsg)) return
+      to(3) = c_loc(history)
+    end if
+    call settle(ko_pair_optimise(self%handle, plain, size(cells_1, 1, c_size_t), size(cells_2, 1, c_size_t), to(1), to(2), &
+      cells_1, cells_2, to(3), c_sizeof(report), report), stat, errmsg)
+  end subroutine
+
+  ! Gaps (n) between sets of a pair that does not collide, at n even times; the `cells` (2, n) that are nearest to each other, from 0, and
+  ! `places` (dim, n) between them, in part 1's frame.
+  subroutine pair_contact(self, set_1, set_2, gaps, largest, mean, cells, places, n_threads, listener, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(in), contiguous :: set_1(:), set_2(:)
+    real(c_double), intent(inout), contiguous, target :: gaps(:)
+    real(c_double), intent(inout) :: largest, mean
+    integer(c_size_t), intent(inout), contiguous, target, optional :: cells(:, :)
+    real(c_double), intent(inout), contiguous, target, optional :: places(:, :)
+    integer, intent(in), optional :: n_threads
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(listener_box), target :: box
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data, to(2)
+    progress = c_null_funptr
+    progress_data = c_null_ptr
+    if (present(listener)) call listen(box, listener, progress, progress_data)
+    to = c_null_ptr
+    if (present(cells)) then
+      if (.not. right_shape("cells", shape(cells), [2, size(gaps)], stat, errmsg)) return
+      to(1) = c_loc(cells)
+    end if
+    if (present(places)) then
+      if (.not. right_shape("places", shape(places), [self%width, size(gaps)], stat, errmsg)) return
+      to(2) = c_loc(places)
+    end if
+    call settle(ko_pair_contact(self%handle, set_1, size(set_1, 1, c_size_t), set_2, size(set_2, 1, c_size_t), &
+      size(gaps, 1, c_size_t), given(n_threads), progress, progress_data, c_loc(gaps), to(1), to(2), largest, mean), stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the pair's.
+  pure function pair_c_handle(self) result(handle)
+    class(keepout_pair), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  subroutine motion_adopt(self, handle)
+    class(keepout_motion), intent(inout) :: self
+    type(c_ptr), intent(in) :: handle
+    integer(c_int32_t) :: dim
+    call self%free()
+    self%handle = handle
+    call settle(ko_motion_get_dim(handle, dim))
+    self%width = int(dim)
+  end subroutine
+
+  impure elemental subroutine motion_final(self)
+    type(keepout_motion), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  impure elemental subroutine part_final(self)
+    type(keepout_part), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  impure elemental subroutine pair_final(self)
+    type(keepout_pair), intent(inout) :: self
+    call self%free()
+  end subroutine
+
+  subroutine motion_assign(left, right)
+    class(keepout_motion), intent(inout) :: left
+    class(keepout_motion), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_motion cannot be assigned"
+  end subroutine
+
+  subroutine part_assign(left, right)
+    class(keepout_part), intent(inout) :: left
+    class(keepout_part), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_part cannot be assigned"
+  end subroutine
+
+  subroutine pair_assign(left, right)
+    class(keepout_pair), intent(inout) :: left
+    class(keepout_pair), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_pair cannot be assigned"
+  end subroutine
 
   ! ---- Other formulations
 

@@ -33,6 +33,7 @@ program keepout_test
   use check
   use layout
   use listeners
+  use cogen_test
   implicit none
 
   call layouts_agree()
@@ -58,6 +59,7 @@ program keepout_test
   call values_have_derivatives_by_the_cloud()
   call formulas_are_evaluated()
   call meshes_are_separated()
+  call cogen_works()
   call progress_is_heard()
   call errors_are_told()
   call handles_have_one_owner()

@@ -14,6 +14,12 @@ size_t layout_certificate(size_t *offsets);
 size_t layout_aggregation(size_t *offsets);
 size_t layout_explicit_options(size_t *offsets);
 size_t layout_separation(size_t *offsets);
+size_t layout_law(size_t *offsets);
+size_t layout_pair_options(size_t *offsets);
+size_t layout_family_options(size_t *offsets);
+size_t layout_optimise_options(size_t *offsets);
+size_t layout_pair_report(size_t *offsets);
+size_t layout_optimise_report(size_t *offsets);
 
 #define PUT(field) *offsets++ = offsetof(STRUCT, field)
 
@@ -211,6 +217,88 @@ size_t layout_separation(size_t *offsets) {
     PUT(length_by_translation);
     PUT(b_in_a);
     PUT(a_in_b);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_law
+size_t layout_law(size_t *offsets) {
+    PUT(struct_size);
+    PUT(offset);
+    PUT(slope);
+    PUT(waves);
+    PUT(n_waves);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_pair_options
+size_t layout_pair_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(slack);
+    PUT(n_steps);
+    PUT(measure_steps);
+    PUT(clearance);
+    PUT(max_bytes);
+    PUT(conflicts);
+    PUT(n_threads);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_family_options
+size_t layout_family_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(gap);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_optimise_options
+size_t layout_optimise_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(gamma);
+    PUT(tolerance);
+    PUT(feasibility);
+    PUT(max_iterations);
+    PUT(close_from);
+    PUT(n_threads);
+    PUT(reserved);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_pair_report
+size_t layout_pair_report(size_t *offsets) {
+    PUT(struct_size);
+    PUT(n_cells);
+    PUT(n_colliding);
+    PUT(n_edges);
+    PUT(graph_bytes);
+    PUT(measure_steps);
+    PUT(n_visits);
+    PUT(measure_bytes);
+    PUT(dim);
+    PUT(has_graph);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_optimise_report
+size_t layout_optimise_report(size_t *offsets) {
+    PUT(struct_size);
+    PUT(gamma);
+    PUT(volumes);
+    PUT(measures);
+    PUT(change);
+    PUT(n_iterations);
+    PUT(converged);
     return sizeof(STRUCT);
 }
 #undef STRUCT

@@ -80,6 +80,42 @@ module layout
       integer(c_size_t), intent(inout) :: offsets(*)
       integer(c_size_t) :: bytes
     end function
+
+    function layout_law(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_pair_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_family_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_optimise_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_pair_report(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_optimise_report(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
   end interface
 
 contains
@@ -97,6 +133,12 @@ contains
     call check_aggregation()
     call check_explicit_options()
     call check_separation()
+    call check_law()
+    call check_pair_options()
+    call check_family_options()
+    call check_optimise_options()
+    call check_pair_report()
+    call check_optimise_report()
   end subroutine
 
   ! Bytes from `start` to `field`.
@@ -313,5 +355,93 @@ contains
     found(6) = offset(c_loc(x), c_loc(x%b_in_a))
     found(7) = offset(c_loc(x), c_loc(x%a_in_b))
     call holds(all(found == right), "offsets in ko_separation")
+  end subroutine
+
+  subroutine check_law()
+    type(ko_law), target :: x
+    integer(c_size_t) :: right(5), found(5)
+    call equal(c_sizeof(x), layout_law(right), "bytes of ko_law")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%offset))
+    found(3) = offset(c_loc(x), c_loc(x%slope))
+    found(4) = offset(c_loc(x), c_loc(x%waves))
+    found(5) = offset(c_loc(x), c_loc(x%n_waves))
+    call holds(all(found == right), "offsets in ko_law")
+  end subroutine
+
+  subroutine check_pair_options()
+    type(ko_pair_options), target :: x
+    integer(c_size_t) :: right(10), found(10)
+    call equal(c_sizeof(x), layout_pair_options(right), "bytes of ko_pair_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%slack))
+    found(3) = offset(c_loc(x), c_loc(x%n_steps))
+    found(4) = offset(c_loc(x), c_loc(x%measure_steps))
+    found(5) = offset(c_loc(x), c_loc(x%clearance))
+    found(6) = offset(c_loc(x), c_loc(x%max_bytes))
+    found(7) = offset(c_loc(x), c_loc(x%conflicts))
+    found(8) = offset(c_loc(x), c_loc(x%n_threads))
+    found(9) = offset(c_loc(x), c_loc(x%progress))
+    found(10) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_pair_options")
+  end subroutine
+
+  subroutine check_family_options()
+    type(ko_family_options), target :: x
+    integer(c_size_t) :: right(4), found(4)
+    call equal(c_sizeof(x), layout_family_options(right), "bytes of ko_family_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%gap))
+    found(3) = offset(c_loc(x), c_loc(x%progress))
+    found(4) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_family_options")
+  end subroutine
+
+  subroutine check_optimise_options()
+    type(ko_optimise_options), target :: x
+    integer(c_size_t) :: right(10), found(10)
+    call equal(c_sizeof(x), layout_optimise_options(right), "bytes of ko_optimise_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%gamma))
+    found(3) = offset(c_loc(x), c_loc(x%tolerance))
+    found(4) = offset(c_loc(x), c_loc(x%feasibility))
+    found(5) = offset(c_loc(x), c_loc(x%max_iterations))
+    found(6) = offset(c_loc(x), c_loc(x%close_from))
+    found(7) = offset(c_loc(x), c_loc(x%n_threads))
+    found(8) = offset(c_loc(x), c_loc(x%reserved))
+    found(9) = offset(c_loc(x), c_loc(x%progress))
+    found(10) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_optimise_options")
+  end subroutine
+
+  subroutine check_pair_report()
+    type(ko_pair_report), target :: x
+    integer(c_size_t) :: right(10), found(10)
+    call equal(c_sizeof(x), layout_pair_report(right), "bytes of ko_pair_report")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%n_cells))
+    found(3) = offset(c_loc(x), c_loc(x%n_colliding))
+    found(4) = offset(c_loc(x), c_loc(x%n_edges))
+    found(5) = offset(c_loc(x), c_loc(x%graph_bytes))
+    found(6) = offset(c_loc(x), c_loc(x%measure_steps))
+    found(7) = offset(c_loc(x), c_loc(x%n_visits))
+    found(8) = offset(c_loc(x), c_loc(x%measure_bytes))
+    found(9) = offset(c_loc(x), c_loc(x%dim))
+    found(10) = offset(c_loc(x), c_loc(x%has_graph))
+    call holds(all(found == right), "offsets in ko_pair_report")
+  end subroutine
+
+  subroutine check_optimise_report()
+    type(ko_optimise_report), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_optimise_report(right), "bytes of ko_optimise_report")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%gamma))
+    found(3) = offset(c_loc(x), c_loc(x%volumes))
+    found(4) = offset(c_loc(x), c_loc(x%measures))
+    found(5) = offset(c_loc(x), c_loc(x%change))
+    found(6) = offset(c_loc(x), c_loc(x%n_iterations))
+    found(7) = offset(c_loc(x), c_loc(x%converged))
+    call holds(all(found == right), "offsets in ko_optimise_report")
   end subroutine
 end module

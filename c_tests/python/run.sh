@@ -13,4 +13,5 @@ if ! find_numpy; then
 fi
 export KEEPOUT_LIBRARY=$1 PYTHONPATH=$root/examples/python PYTHONDONTWRITEBYTECODE=1
 "$python" -W error "$here/test_keepout.py"
+"$python" -W error "$here/test_cogen.py"
 "$python" -W error "$root/examples/python/fit_field.py" --points 2000

@@ -7,8 +7,8 @@
 Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous, aligned float64 is handed over as it is, all
 else is copied first; complex numbers and masked entries are refused. eval_into, values_into and their like write to arrays of the
 caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
-Handles. Mesh, Cloud, Field, Sensitivity, Body, Constraints and Explicit free what they hold with the last reference to them, at the end of a
-`with` block, or by close().
+Handles. Mesh, Cloud, Field, Sensitivity, Body, Constraints, Explicit, Motion, Part and Pair free what they hold with the last reference to
+them, at the end of a `with` block, or by close().
 Errors. A call that fails raises Error, with the library's message and its status.
 Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
 The library is the file $KEEPOUT_LIBRARY, else one beside this file, in a build tree above it or installed with it,
@@ -44,6 +44,7 @@ class Status(enum.IntEnum):
     OPEN_AT_BOX = 1
     BUDGET_REACHED = 2
     SIDE_NOT_CERTIFIED = 3
+    NEVER_MEET = 4
     INVALID_ARGUMENT = -1
     OUT_OF_MEMORY = -2
     IO = -3
@@ -141,6 +142,29 @@ class Formulation(enum.IntEnum):
     NEAREST_POINT = 4
 
 
+class Cell(enum.IntEnum):
+    """What a part may do with a cell."""
+
+    FORBIDDEN = 0
+    FREE = 1
+    FROZEN = 2
+
+
+class Conflicts(enum.IntEnum):
+    """Which conflict graph a Pair has, told at KO_CONFLICTS_."""
+
+    OF_OVERLAP = 0
+    OF_MEASURE = 1
+    NONE = 2
+
+
+class Rule(enum.IntEnum):
+    """What a part has to do with a body's cells."""
+
+    AVOID = 0
+    STAY_IN = 1
+
+
 class Polylines(enum.IntEnum):
     """Whether polylines go back to their first points."""
 
@@ -164,6 +188,7 @@ class Error(RuntimeError):
 
 
 ko_progress = ctypes.CFUNCTYPE(c_int32, c_double, c_char_p, c_void_p)
+ko_pose_function = ctypes.CFUNCTYPE(c_int32, c_double, POINTER(c_double), POINTER(c_double), c_void_p)
 
 
 class ko_mesh(ctypes.Structure):
@@ -191,6 +216,18 @@ class ko_constraints(ctypes.Structure):
 
 
 class ko_explicit(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_motion(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_part(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_pair(ctypes.Structure):
     """Opaque."""
 
 
@@ -415,6 +452,94 @@ class ko_separation(_Struct):
     ]
 
 
+class ko_law(_Struct):
+    """How far along its way a motion is; see Law."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("offset", c_double),
+        ("slope", c_double),
+        ("waves", POINTER(c_double)),
+        ("n_waves", c_size_t),
+    ]
+
+
+class ko_pair_options(_Struct):
+    """Options of Pair.create, Part.sweep and Part.unsweep; see PairOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("slack", c_double),
+        ("n_steps", c_uint64),
+        ("measure_steps", c_uint64),
+        ("clearance", c_double),
+        ("max_bytes", c_uint64),
+        ("conflicts", c_int32),
+        ("n_threads", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_family_options(_Struct):
+    """Options of Pair.cut and Pair.family; see FamilyOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("gap", c_double),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_optimise_options(_Struct):
+    """Options of Pair.optimise; see OptimiseOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("gamma", c_double),
+        ("tolerance", c_double),
+        ("feasibility", c_double),
+        ("max_iterations", c_uint32),
+        ("close_from", c_uint32),
+        ("n_threads", c_uint32),
+        ("reserved", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_pair_report(_Struct):
+    """What a pair is."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("n_cells", c_uint64 * 2),
+        ("n_colliding", c_uint64 * 2),
+        ("n_edges", c_uint64),
+        ("graph_bytes", c_uint64),
+        ("measure_steps", c_uint64),
+        ("n_visits", c_uint64),
+        ("measure_bytes", c_uint64),
+        ("dim", c_uint32),
+        ("has_graph", c_int32),
+    ]
+
+
+class ko_optimise_report(_Struct):
+    """What an optimisation found."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("gamma", c_double),
+        ("volumes", c_double * 2),
+        ("measures", c_double * 2),
+        ("change", c_double),
+        ("n_iterations", c_uint32),
+        ("converged", c_int32),
+    ]
+
+
 # ---- The library
 
 
@@ -449,6 +574,9 @@ _sensitivity = POINTER(ko_sensitivity)
 _body = POINTER(ko_body)
 _constraints = POINTER(ko_constraints)
 _explicit = POINTER(ko_explicit)
+_motion = POINTER(ko_motion)
+_part = POINTER(ko_part)
+_pair = POINTER(ko_pair)
 _doubles = POINTER(c_double)
 _indices = POINTER(c_uint32)
 
@@ -737,6 +865,203 @@ _meshes_separation = _bind(
     _doubles,
 )
 
+_law_init = _bind("ko_law_init", c_int32, POINTER(ko_law), c_size)
+_motion_fixed = _bind("ko_motion_fixed", c_int32, c_uint32, _doubles, _doubles, POINTER(_motion))
+_motion_slide = _bind("ko_motion_slide", c_int32, c_uint32, _doubles, POINTER(ko_law), POINTER(_motion))
+_motion_turn = _bind("ko_motion_turn", c_int32, _doubles, POINTER(ko_law), POINTER(_motion))
+_motion_screw = _bind("ko_motion_screw", c_int32, _doubles, _doubles, c_double, POINTER(ko_law), POINTER(_motion))
+_motion_sampled = _bind("ko_motion_sampled", c_int32, c_uint32, _doubles, _doubles, c_size, POINTER(_motion))
+_motion_from_function = _bind(
+    "ko_motion_from_function", c_int32, c_uint32, ko_pose_function, c_void_p, c_size, POINTER(_motion)
+)
+_motion_gears = _bind("ko_motion_gears", c_int32, _doubles, c_double, c_double, POINTER(_motion), POINTER(_motion))
+_motion_four_bar = _bind(
+    "ko_motion_four_bar",
+    c_int32,
+    _doubles,
+    _doubles,
+    c_double,
+    c_double,
+    c_int32,
+    c_size,
+    POINTER(_motion),
+    POINTER(_motion),
+    POINTER(_motion),
+)
+_motion_product = _bind("ko_motion_product", c_int32, _motion, _motion, POINTER(_motion))
+_motion_inverse = _bind("ko_motion_inverse", c_int32, _motion, POINTER(_motion))
+_motion_free = _bind("ko_motion_free", None, _motion)
+_motion_get_dim = _bind("ko_motion_get_dim", c_int32, _motion, POINTER(c_uint32))
+_motion_eval = _bind("ko_motion_eval", c_int32, _motion, _doubles, c_size, _doubles, _doubles)
+_part_create = _bind(
+    "ko_part_create", c_int32, c_uint32, _doubles, c_double, POINTER(c_size), POINTER(c_uint8), c_size, POINTER(_part)
+)
+_part_free = _bind("ko_part_free", None, _part)
+_part_get_size = _bind("ko_part_get_size", c_int32, _part, POINTER(c_uint32), POINTER(c_size))
+_part_get_grid = _bind("ko_part_get_grid", c_int32, _part, _doubles, _doubles, POINTER(c_size))
+_part_copy_cells = _bind("ko_part_copy_cells", c_int32, _part, c_size, POINTER(c_uint8))
+_part_fractions_of_mesh = _bind(
+    "ko_part_fractions_of_mesh", c_int32, _part, _mesh, c_uint32, c_uint32, c_size, _doubles
+)
+_part_fractions_of_field = _bind(
+    "ko_part_fractions_of_field", c_int32, _part, _field, c_double, c_uint32, c_uint32, c_size, _doubles
+)
+_part_fractions_of_box = _bind(
+    "ko_part_fractions_of_box", c_int32, _part, _doubles, _doubles, c_uint32, c_uint32, c_size, _doubles
+)
+_part_fractions_of_ball = _bind(
+    "ko_part_fractions_of_ball", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size, _doubles
+)
+_part_fractions_of_cylinder = _bind(
+    "ko_part_fractions_of_cylinder", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size, _doubles
+)
+_pair_options_init = _bind("ko_pair_options_init", c_int32, POINTER(ko_pair_options), c_size)
+_family_options_init = _bind("ko_family_options_init", c_int32, POINTER(ko_family_options), c_size)
+_optimise_options_init = _bind("ko_optimise_options_init", c_int32, POINTER(ko_optimise_options), c_size)
+_part_sweep = _bind(
+    "ko_part_sweep",
+    c_int32,
+    _part,
+    POINTER(c_uint8),
+    c_size,
+    _motion,
+    _part,
+    _motion,
+    POINTER(ko_pair_options),
+    c_size,
+    POINTER(c_uint8),
+)
+_part_unsweep = _bind(
+    "ko_part_unsweep",
+    c_int32,
+    _part,
+    _motion,
+    _part,
+    POINTER(c_uint8),
+    c_size,
+    _motion,
+    c_int32,
+    POINTER(ko_pair_options),
+    c_size,
+    POINTER(c_uint8),
+)
+_pair_create = _bind(
+    "ko_pair_create", c_int32, _part, _motion, _part, _motion, POINTER(ko_pair_options), POINTER(_pair)
+)
+_pair_free = _bind("ko_pair_free", None, _pair)
+_pair_get_report = _bind("ko_pair_get_report", c_int32, _pair, c_size, POINTER(ko_pair_report))
+_pair_measures = _bind(
+    "ko_pair_measures", c_int32, _pair, _doubles, c_size, _doubles, c_size, c_uint32, _doubles, _doubles
+)
+_pair_local_measures = _bind(
+    "ko_pair_local_measures", c_int32, _pair, _doubles, c_size, _doubles, c_size, c_uint32, _doubles, _doubles
+)
+_pair_sensitivities = _bind(
+    "ko_pair_sensitivities",
+    c_int32,
+    _pair,
+    _doubles,
+    c_size,
+    _doubles,
+    c_size,
+    c_uint32,
+    _doubles,
+    _doubles,
+    _doubles,
+    _doubles,
+)
+_pair_colliding = _bind("ko_pair_colliding", c_int32, _pair, c_size, c_size, POINTER(c_uint8), POINTER(c_uint8))
+_pair_volumes = _bind(
+    "ko_pair_volumes",
+    c_int32,
+    _pair,
+    POINTER(c_uint8),
+    c_size,
+    POINTER(c_uint8),
+    c_size,
+    _doubles,
+    _doubles,
+    POINTER(c_size),
+)
+_pair_close = _bind(
+    "ko_pair_close",
+    c_int32,
+    _pair,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    c_uint32,
+    c_size,
+    c_size,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    _doubles,
+)
+_pair_cut = _bind(
+    "ko_pair_cut",
+    c_int32,
+    _pair,
+    _doubles,
+    _doubles,
+    POINTER(ko_family_options),
+    c_size,
+    c_size,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    _doubles,
+    _doubles,
+    _doubles,
+)
+_pair_family = _bind(
+    "ko_pair_family",
+    c_int32,
+    _pair,
+    _doubles,
+    _doubles,
+    _doubles,
+    c_size,
+    POINTER(ko_family_options),
+    c_size,
+    c_size,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    _doubles,
+    _doubles,
+    _doubles,
+)
+_pair_optimise = _bind(
+    "ko_pair_optimise",
+    c_int32,
+    _pair,
+    POINTER(ko_optimise_options),
+    c_size,
+    c_size,
+    _doubles,
+    _doubles,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    _doubles,
+    c_size,
+    POINTER(ko_optimise_report),
+)
+_pair_contact = _bind(
+    "ko_pair_contact",
+    c_int32,
+    _pair,
+    POINTER(c_uint8),
+    c_size,
+    POINTER(c_uint8),
+    c_size,
+    c_size,
+    c_uint32,
+    ko_progress,
+    c_void_p,
+    _doubles,
+    POINTER(c_size),
+    _doubles,
+    _doubles,
+    _doubles,
+)
+
 
 def capabilities() -> Capability:
     """What the library's build can do."""
@@ -969,6 +1294,24 @@ class ExplicitOptions(_Options, ko_explicit_options):
     """Options of Explicit.create, as FitOptions has those of Field.fit."""
 
     _init = staticmethod(_explicit_options_init)
+
+
+class PairOptions(_Options, ko_pair_options):
+    """Options of Pair.create, Part.sweep and Part.unsweep, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_pair_options_init)
+
+
+class FamilyOptions(_Options, ko_family_options):
+    """Options of Pair.cut and Pair.family, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_family_options_init)
+
+
+class OptimiseOptions(_Options, ko_optimise_options):
+    """Options of Pair.optimise, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_optimise_options_init)
 
 
 def _plain(aggregation: Optional[Aggregation]) -> Any:
@@ -1902,3 +2245,563 @@ def separation(
     to = (ctypes.sizeof(found), ctypes.byref(found), *map(_at, outputs))
     _check(_meshes_separation(mesh_a, mesh_b, _at(by), sharpness, n, *to))
     return found
+
+
+# ---- Co-generation
+
+
+class Law(NamedTuple):
+    """How far along its way a motion is at t in [0, 1]: offset + slope t + the sum of amplitude cos(2 pi cycles t + phase) over waves [n, 3]."""
+
+    offset: float = 0.0
+    slope: float = 0.0
+    waves: npt.ArrayLike = ()
+
+    def for_c(self) -> tuple[ko_law, Array]:
+        """The struct of C, and the array that it refers to."""
+        waves = _numbers("waves", self.waves, 3) if np.size(self.waves) else np.empty((0, 3))
+        law = ko_law()
+        _check(_law_init(ctypes.byref(law), ctypes.sizeof(law)))
+        law.offset, law.slope, law.waves, law.n_waves = self.offset, self.slope, _at(waves), len(waves)
+        return law, waves
+
+
+PoseFunction = Callable[[float], tuple[npt.ArrayLike, npt.ArrayLike]]
+"""Told the time, gives the pose: rotation [dim, dim] and translation [dim]."""
+
+
+class Motion(_Handle):
+    """A rigid motion of one parameter t in [0, 1], from a part's frame to the world."""
+
+    _free = staticmethod(_motion_free)
+    _pointer = _motion
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        dim = c_uint32()
+        _check(_motion_get_dim(self, ctypes.byref(dim)))
+        self.dim: int = dim.value
+
+    @classmethod
+    def fixed(cls, dim: int, rotation: Optional[npt.ArrayLike] = None, translation: Optional[npt.ArrayLike] = None) -> Motion:
+        """At a pose, by rotation [dim, dim] and translation [dim]; None: none."""
+        rows = _one_for_each(dim, "rotation", rotation, dim)
+        shift = _one_for_each(dim, "translation", translation, None)
+        handle = _motion()
+        _check(_motion_fixed(_small("dim", dim), _at(rows), _at(shift), ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def slide(cls, along: npt.ArrayLike, law: Law) -> Motion:
+        """A slide by f(t) times along [dim]."""
+        along = _numbers("along", along, None)
+        plain, _waves = law.for_c()
+        handle = _motion()
+        _check(_motion_slide(len(along), _at(along), ctypes.byref(plain), ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def turn(cls, center: npt.ArrayLike, law: Law) -> Motion:
+        """A turn in the plane about center [2], by f(t) radians counter-clockwise."""
+        center = _needs("center", center, 2)
+        plain, _waves = law.for_c()
+        handle = _motion()
+        _check(_motion_turn(_at(center), ctypes.byref(plain), ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def screw(cls, point: npt.ArrayLike, axis: npt.ArrayLike, lead: float, law: Law) -> Motion:
+        """A screw in space about the line through point [3] along axis [3]: f(t) radians, and a slide of `lead` a radian."""
+        point, axis = _needs("point", point, 3), _needs("axis", axis, 3)
+        plain, _waves = law.for_c()
+        handle = _motion()
+        _check(_motion_screw(_at(point), _at(axis), lead, ctypes.byref(plain), ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def sampled(cls, rotations: npt.ArrayLike, translations: npt.ArrayLike) -> Motion:
+        """Through poses at even times, rotations [n, dim, dim] and translations [n, dim], with screws between them."""
+        shifts = _laid_out("translations", translations)
+        turns = _laid_out("rotations", rotations)
+        if shifts.ndim != 2 or turns.shape != (*shifts.shape, shifts.shape[1]):
+            raise _wrong(f"rotations {turns.shape} and translations {shifts.shape}; [n, dim, dim] and [n, dim] are needed")
+        handle = _motion()
+        _check(_motion_sampled(shifts.shape[1], _at(turns), _at(shifts), len(shifts), ctypes.byref(handle)))
+        return cls(handle)
+
+    @classmethod
+    def from_function(cls, dim: int, pose: PoseFunction, n_poses: int) -> Motion:
+        """Through `n_poses` poses that `pose` is asked for at even times. What it raises comes out of the call."""
+        raised: list[BaseException] = []
+
+        def ask(time: float, rotation: Any, translation: Any, _data: Optional[int]) -> int:
+            try:
+                turn, shift = pose(time)
+                ctypes.memmove(rotation, _at(_one_for_each(dim, "rotation", turn, dim)), 8 * dim * dim)
+                ctypes.memmove(translation, _at(_one_for_each(dim, "translation", shift, None)), 8 * dim)
+                return 0
+            except BaseException as exception:  # KeyboardInterrupt too
+                raised.append(exception)
+                return 1
+
+        handle = _motion()
+        status = _motion_from_function(
+            _small("dim", dim), ko_pose_function(ask), None, _count("n_poses", n_poses), ctypes.byref(handle)
+        )
+        if raised:
+            raise raised.pop()
+        _check(status)
+        return cls(handle)
+
+    @classmethod
+    def gears(cls, centers: npt.ArrayLike, turns: float, ratio: float) -> tuple[Motion, Motion]:
+        """Two wheels about centers [2, 2] that turn against each other: the first by `turns`, the second by `ratio` times that."""
+        centers = _one_for_each(2, "centers", centers, 2)
+        first, second = _motion(), _motion()
+        _check(_motion_gears(_at(centers), turns, ratio, ctypes.byref(first), ctypes.byref(second)))
+        return cls(first), cls(second)
+
+    @classmethod
+    def four_bar(
+        cls, pivots: npt.ArrayLike, lengths: npt.ArrayLike, start: float, by: float, bend: int = 1, n_steps: int = 256
+    ) -> tuple[Motion, Motion, Motion]:
+        """Crank, coupler and rocker of a linkage with pivots [2, 2] and lengths [3]: see ko_motion_four_bar."""
+        pivots, lengths = _one_for_each(2, "pivots", pivots, 2), _needs("lengths", lengths, 3)
+        made = [_motion() for _ in range(3)]
+        to = [ctypes.byref(handle) for handle in made]
+        _check(_motion_four_bar(_at(pivots), _at(lengths), start, by, _choice("bend", bend), _count("n_steps", n_steps), *to))
+        crank, coupler, rocker = (cls(handle) for handle in made)
+        return crank, coupler, rocker
+
+    def __matmul__(self, inner: Motion) -> Motion:
+        """The product: what `inner` does is seen from what this moves."""
+        handle = _motion()
+        _check(_motion_product(self, inner, ctypes.byref(handle)))
+        return type(self)(handle)
+
+    def inverse(self) -> Motion:
+        """The motion that undoes this one at each time."""
+        handle = _motion()
+        _check(_motion_inverse(self, ctypes.byref(handle)))
+        return type(self)(handle)
+
+    def eval(self, times: npt.ArrayLike) -> tuple[Array, Array]:
+        """Poses at times [n]: rotations [n, dim, dim] and translations [n, dim]."""
+        times = _numbers("times", np.atleast_1d(times), None)
+        turns, shifts = np.empty((len(times), self.dim, self.dim)), np.empty((len(times), self.dim))
+        _check(_motion_eval(self, _at(times), len(times), _at(turns), _at(shifts)))
+        return turns, shifts
+
+
+def _needs(name: str, array: npt.ArrayLike, n: int) -> Array:
+    """`array` as [n]."""
+    numbers = _numbers(name, array, None)
+    if len(numbers) != n:
+        raise _wrong(f"{name} has {len(numbers)} entries; {n} are needed")
+    return numbers
+
+
+def _set_of(name: str, cells: npt.ArrayLike, n: int) -> Array:
+    """A set of `n` cells, bools or 0 and 1, as C has it."""
+    given = np.asarray(cells)
+    if given.dtype.kind not in "bui" or (given.size and not 0 <= given.min() <= given.max() <= 1):
+        raise _wrong(f"{name} holds {given.dtype}; bools, or 0 and 1, are needed")
+    flat = np.ascontiguousarray(given.reshape(-1), dtype=np.uint8)
+    if len(flat) != n:
+        raise _wrong(f"{name} has {len(flat)} cells; {n} are needed")
+    return flat
+
+
+class Part(_Handle):
+    """A grid of square or cubic cells, and what a part may do with each. len() tells how many there are.
+
+    Sets of cells are arrays of bools, densities of numbers in [0, 1]; either may have the shape [n] or that of the grid, and comes as the latter.
+    """
+
+    _free = staticmethod(_part_free)
+    _pointer = _part
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        dim, n = c_uint32(), c_size_t()
+        _check(_part_get_size(self, ctypes.byref(dim), ctypes.byref(n)))
+        self.dim: int = dim.value
+        corner, edge, counts = np.empty(self.dim), c_double(), (c_size_t * self.dim)()
+        _check(_part_get_grid(self, _at(corner), ctypes.byref(edge), counts))
+        self.corner: Array = corner
+        self.cell_edge: float = edge.value
+        self.shape: tuple[int, ...] = tuple(counts)
+        self._n: int = n.value
+
+    @classmethod
+    def create(
+        cls, corner: npt.ArrayLike, cell_edge: float, counts: Sequence[int], cells: Optional[npt.ArrayLike] = None
+    ) -> Part:
+        """Cells of this edge from corner [dim] on, counts [dim] of them; `cells` are of Cell, None: all are free."""
+        corner = _numbers("corner", corner, None)
+        if len(counts) != len(corner):
+            raise _wrong(f"counts has {len(counts)} entries; {len(corner)} are needed")
+        sizes = (c_size_t * len(counts))(*(_count("counts", count) for count in counts))
+        own = None if cells is None else np.ascontiguousarray(np.asarray(cells).reshape(-1), dtype=np.uint8)
+        handle = _part()
+        n = 0 if own is None else len(own)
+        _check(_part_create(len(corner), _at(corner), cell_edge, sizes, _at(own, c_uint8), n, ctypes.byref(handle)))
+        return cls(handle)
+
+    def __len__(self) -> int:
+        return self._n
+
+    def cells(self) -> Array:
+        """What the part may do with each cell, of Cell, in the shape of the grid."""
+        cells = np.empty(self.shape, dtype=np.uint8)
+        _check(_part_copy_cells(self, self._n, _at(cells, c_uint8)))
+        return cells
+
+    def centers(self) -> Array:
+        """The cells' centres, [*shape, dim]."""
+        axes = [self.corner[a] + self.cell_edge * (np.arange(n) + 0.5) for a, n in enumerate(self.shape)]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+    def _filled(self, call: Any, *arguments: Any, samples: int, n_threads: int) -> Array:
+        out = np.empty(self.shape)
+        _check(call(self, *arguments, _small("samples", samples), _small("n_threads", n_threads), self._n, _at(out)))
+        return out
+
+    def fractions_of_mesh(self, mesh: Mesh, samples: int = 8, n_threads: int = 0) -> Array:
+        """What part of each cell the mesh's solid fills, by `samples` points along a cell's edge."""
+        return self._filled(_part_fractions_of_mesh, mesh, samples=samples, n_threads=n_threads)
+
+    def fractions_of_field(self, field: Field, steepness: float, samples: int = 8, n_threads: int = 0) -> Array:
+        """The same of a field's solid; `steepness` bounds the length of its gradient."""
+        return self._filled(_part_fractions_of_field, field, steepness, samples=samples, n_threads=n_threads)
+
+    def fractions_of_box(self, low: npt.ArrayLike, high: npt.ArrayLike, samples: int = 8, n_threads: int = 0) -> Array:
+        """The same of a box along the axes."""
+        corners = _needs("low", low, self.dim), _needs("high", high, self.dim)
+        return self._filled(_part_fractions_of_box, *map(_at, corners), samples=samples, n_threads=n_threads)
+
+    def fractions_of_ball(self, center: npt.ArrayLike, radius: float, samples: int = 8, n_threads: int = 0) -> Array:
+        """The same of a ball, in the plane a disc."""
+        center = _needs("center", center, self.dim)
+        return self._filled(_part_fractions_of_ball, _at(center), radius, samples=samples, n_threads=n_threads)
+
+    def fractions_of_cylinder(self, ends: npt.ArrayLike, radius: float, samples: int = 8, n_threads: int = 0) -> Array:
+        """The same of a cylinder, in the plane a strip, between the middles of its ends [2, dim]."""
+        ends = _one_for_each(2, "ends", ends, self.dim)
+        return self._filled(_part_fractions_of_cylinder, _at(ends), radius, samples=samples, n_threads=n_threads)
+
+    def sweep(
+        self,
+        motion: Optional[Motion],
+        still: Part,
+        still_motion: Optional[Motion] = None,
+        cells: Optional[npt.ArrayLike] = None,
+        options: Optional[PairOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Array:
+        """The cells of `still` that this part's `cells`, None: all that it may have, pass over. A motion None: it stays."""
+        own = None if cells is None else _set_of("cells", cells, self._n)
+        swept = np.empty(still.shape, dtype=np.uint8)
+        n = 0 if own is None else self._n
+
+        def call(plain: Any) -> int:
+            to = _at(swept, c_uint8)
+            return _part_sweep(self, _at(own, c_uint8), n, motion, still, still_motion, plain, len(still), to)
+
+        _listened(ko_pair_options.from_buffer_copy(options or PairOptions()), progress, call)
+        return swept.astype(bool)
+
+    def unsweep(
+        self,
+        motion: Optional[Motion],
+        body: Part,
+        body_motion: Optional[Motion] = None,
+        rule: Rule = Rule.AVOID,
+        kept: Optional[npt.ArrayLike] = None,
+        body_cells: Optional[npt.ArrayLike] = None,
+        options: Optional[PairOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Array:
+        """What is left of `kept`, None: all that the part may have, when what breaks the rule about `body` is taken out."""
+        left = np.ones(self._n, dtype=np.uint8) if kept is None else _set_of("kept", kept, self._n).copy()
+        own = None if body_cells is None else _set_of("body_cells", body_cells, len(body))
+        n = 0 if own is None else len(own)
+
+        def call(plain: Any) -> int:
+            to, which = _at(left, c_uint8), _choice("rule", rule)
+            return _part_unsweep(self, motion, body, _at(own, c_uint8), n, body_motion, which, plain, self._n, to)
+
+        _listened(ko_pair_options.from_buffer_copy(options or PairOptions()), progress, call)
+        return left.reshape(self.shape).astype(bool)
+
+
+class Measures(NamedTuple):
+    """(29) and (30): area or volume of a part that is in the other, times the fraction of the motion that it is."""
+
+    g21: float
+    g12: float
+
+
+class Sensitivities(NamedTuple):
+    """(31) and (32): derivatives of each measure by the densities of both parts."""
+
+    g21_by_1: Array
+    g21_by_2: Array
+    g12_by_1: Array
+    g12_by_2: Array
+
+
+class Volumes(NamedTuple):
+    """What is left of the colliding cells of both parts, gamma, and how many cells of part 2 conflict with part 1's."""
+
+    volumes: tuple[float, float]
+    gamma: float
+    n_lost: int
+
+
+class Closed(NamedTuple):
+    """Sets of cells that never collide, maximal, and their gamma."""
+
+    first: Array
+    second: Array
+    gamma: float
+
+
+class Cut(NamedTuple):
+    """The pair of the greatest weight, and the bound that proves it."""
+
+    first: Array
+    second: Array
+    gamma: float
+    weight: float
+    bound: float
+
+
+class Member(NamedTuple):
+    """A pair of a family."""
+
+    first: Array
+    second: Array
+    gamma: float
+    volumes: tuple[float, float]
+    bound: float
+    """No pair of the gamma that was asked for has more for the volumes' sum."""
+
+
+class Optimised(NamedTuple):
+    """What moving asymptotes ended with, and its closure."""
+
+    first: Array
+    second: Array
+    densities_1: Array
+    densities_2: Array
+    history: Array
+    """[n, 5]: V_1, V_2, g_21, g_12, change."""
+    report: ko_optimise_report
+
+
+class Contact(NamedTuple):
+    """Gaps over the motion."""
+
+    gaps: Array
+    """[n]"""
+    cells: Array
+    """[n, 2], those nearest to each other."""
+    places: Array
+    """[n, dim], between them, in part 1's frame."""
+    largest: float
+    mean: float
+
+
+class Pair(_Handle):
+    """Two parts in relative motion: how they collide, and sets of cells that never do. Any number of threads may use one at once."""
+
+    _free = staticmethod(_pair_free)
+    _pointer = _pair
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        report = self.report()
+        self.dim: int = report.dim
+        n_1, n_2 = report.n_cells
+        self.shapes: tuple[tuple[int, ...], tuple[int, ...]] = ((n_1,), (n_2,))
+
+    @classmethod
+    def create(
+        cls,
+        part_1: Part,
+        motion_1: Optional[Motion],
+        part_2: Part,
+        motion_2: Optional[Motion],
+        options: Optional[PairOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Pair:
+        """It refers to neither parts nor motions; a motion None: the part stays. Where they never meet, report().n_edges is 0."""
+        plain = ko_pair_options.from_buffer_copy(options or PairOptions())
+        pair, _ = _make(
+            cls, plain, progress, lambda own, to: _pair_create(part_1, motion_1, part_2, motion_2, own, to)
+        )
+        pair.shapes = part_1.shape, part_2.shape
+        return pair
+
+    def report(self) -> ko_pair_report:
+        """What the pair is."""
+        report = ko_pair_report()
+        _check(_pair_get_report(self, ctypes.sizeof(report), ctypes.byref(report)))
+        return report
+
+    @property
+    def _n(self) -> tuple[int, int]:
+        first, second = (int(np.prod(shape)) for shape in self.shapes)
+        return first, second
+
+    def _densities(self, first: npt.ArrayLike, second: npt.ArrayLike) -> tuple[Any, int, Any, int]:
+        own = [np.ascontiguousarray(_laid_out("densities", x).reshape(-1)) for x in (first, second)]
+        return own[0], len(own[0]), own[1], len(own[1])
+
+    def measures(self, densities_1: npt.ArrayLike, densities_2: npt.ArrayLike, n_threads: int = 0) -> Measures:
+        """(29) and (30)."""
+        x, n, y, m = self._densities(densities_1, densities_2)
+        g21, g12 = c_double(), c_double()
+        threads = _small("n_threads", n_threads)
+        _check(_pair_measures(self, _at(x), n, _at(y), m, threads, ctypes.byref(g21), ctypes.byref(g12)))
+        return Measures(g21.value, g12.value)
+
+    def local_measures(
+        self, densities_1: npt.ArrayLike, densities_2: npt.ArrayLike, n_threads: int = 0
+    ) -> tuple[Array, Array]:
+        """(12), of part 1's cells, and (13), of part 2's."""
+        x, n, y, m = self._densities(densities_1, densities_2)
+        l21, l12 = np.empty(self.shapes[0]), np.empty(self.shapes[1])
+        if (n, m) != self._n:
+            raise _wrong(f"densities of {n} and {m} cells; {self._n} are needed")
+        _check(_pair_local_measures(self, _at(x), n, _at(y), m, _small("n_threads", n_threads), _at(l21), _at(l12)))
+        return l21, l12
+
+    def sensitivities(
+        self, densities_1: npt.ArrayLike, densities_2: npt.ArrayLike, n_threads: int = 0
+    ) -> Sensitivities:
+        """(31) and (32)."""
+        x, n, y, m = self._densities(densities_1, densities_2)
+        if (n, m) != self._n:
+            raise _wrong(f"densities of {n} and {m} cells; {self._n} are needed")
+        out = Sensitivities(*(np.empty(self.shapes[k]) for k in (0, 1, 0, 1)))
+        _check(_pair_sensitivities(self, _at(x), n, _at(y), m, _small("n_threads", n_threads), *map(_at, out)))
+        return out
+
+    def _room(self) -> list[Array]:
+        return [np.empty(shape, dtype=np.uint8) for shape in self.shapes]
+
+    def colliding(self) -> tuple[Array, Array]:
+        """The initially colliding subdomains, (33) to (36)."""
+        first, second = self._room()
+        _check(_pair_colliding(self, *self._n, _at(first, c_uint8), _at(second, c_uint8)))
+        return first.astype(bool), second.astype(bool)
+
+    def volumes(self, first: npt.ArrayLike, second: npt.ArrayLike) -> Volumes:
+        """Of any sets."""
+        n, m = self._n
+        x, y = _set_of("first", first, n), _set_of("second", second, m)
+        volumes, gamma, lost = np.empty(2), c_double(), c_size_t()
+        sets = _at(x, c_uint8), n, _at(y, c_uint8), m
+        _check(_pair_volumes(self, *sets, _at(volumes), ctypes.byref(gamma), ctypes.byref(lost)))
+        return Volumes((volumes[0].item(), volumes[1].item()), gamma.value, lost.value)
+
+    def close(
+        self, first: Optional[npt.ArrayLike] = None, second: Optional[npt.ArrayLike] = None, start: int = 0
+    ) -> Closed:
+        """From any sets to a pair that never collides and cannot grow, beginning with part `start`, 0: the larger."""
+        n, m = self._n
+        x = None if first is None else _set_of("first", first, n)
+        y = None if second is None else _set_of("second", second, m)
+        (to_1, to_2), gamma = self._room(), c_double()
+        outs = _at(to_1, c_uint8), _at(to_2, c_uint8)
+        sets = _at(x, c_uint8), _at(y, c_uint8)
+        _check(_pair_close(self, *sets, _small("start", start), n, m, *outs, ctypes.byref(gamma)))
+        return Closed(to_1.astype(bool), to_2.astype(bool), gamma.value)
+
+    def _weights(self, first: Optional[npt.ArrayLike], second: Optional[npt.ArrayLike]) -> list[Optional[Array]]:
+        given = [None if x is None else _laid_out("weights", x).reshape(-1) for x in (first, second)]
+        for weights, n in zip(given, self._n):
+            if weights is not None and len(weights) != n:
+                raise _wrong(f"weights of {len(weights)} cells; {n} are needed")
+        return given
+
+    def cut(
+        self,
+        weights_1: Optional[npt.ArrayLike] = None,
+        weights_2: Optional[npt.ArrayLike] = None,
+        options: Optional[FamilyOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Cut:
+        """The pair of the greatest weight; weights None: areas or volumes."""
+        w1, w2 = self._weights(weights_1, weights_2)
+        first, second = self._room()
+        numbers = [c_double(), c_double(), c_double()]
+
+        def call(plain: Any) -> int:
+            outs = _at(first, c_uint8), _at(second, c_uint8)
+            return _pair_cut(self, _at(w1), _at(w2), plain, *self._n, *outs, *map(ctypes.byref, numbers))
+
+        _listened(ko_family_options.from_buffer_copy(options or FamilyOptions()), progress, call)
+        weight, bound, gamma = (number.value for number in numbers)
+        return Cut(first.astype(bool), second.astype(bool), gamma, weight, bound)
+
+    def family(
+        self,
+        gammas: npt.ArrayLike,
+        weights_1: Optional[npt.ArrayLike] = None,
+        weights_2: Optional[npt.ArrayLike] = None,
+        options: Optional[FamilyOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> list[Member]:
+        """A pair for each gamma; weights as in cut()."""
+        wanted = _numbers("gammas", np.atleast_1d(gammas), None)
+        w1, w2 = self._weights(weights_1, weights_2)
+        k = len(wanted)
+        first, second = (np.empty((k, *shape), dtype=np.uint8) for shape in self.shapes)
+        reached, volumes, bounds = np.empty(k), np.empty((k, 2)), np.empty(k)
+
+        def call(plain: Any) -> int:
+            outs = _at(first, c_uint8), _at(second, c_uint8), _at(reached), _at(volumes), _at(bounds)
+            return _pair_family(self, _at(w1), _at(w2), _at(wanted), k, plain, *self._n, *outs)
+
+        _listened(ko_family_options.from_buffer_copy(options or FamilyOptions()), progress, call)
+        rows = zip(first.astype(bool), second.astype(bool), reached.tolist(), volumes.tolist(), bounds.tolist())
+        return [Member(a, b, gamma, (v[0], v[1]), bound) for a, b, gamma, v, bound in rows]
+
+    def optimise(self, options: Optional[OptimiseOptions] = None, progress: Optional[Progress] = None) -> Optimised:
+        """Moving asymptotes, then closure. report.converged tells whether iterations sufficed."""
+        plain = ko_optimise_options.from_buffer_copy(options or OptimiseOptions())
+        (first, second), rho = self._room(), [np.empty(shape) for shape in self.shapes]
+        history, report = np.empty((plain.max_iterations + 1, 5)), ko_optimise_report()
+
+        def call(own: Any) -> int:
+            outs = _at(rho[0]), _at(rho[1]), _at(first, c_uint8), _at(second, c_uint8), _at(history)
+            return _pair_optimise(self, own, *self._n, *outs, ctypes.sizeof(report), ctypes.byref(report))
+
+        _listened(plain, progress, call)
+        return Optimised(
+            first.astype(bool), second.astype(bool), *rho, history[: report.n_iterations + 1].copy(), report
+        )
+
+    def contact(
+        self,
+        first: npt.ArrayLike,
+        second: npt.ArrayLike,
+        n_times: int,
+        n_threads: int = 0,
+        progress: Optional[Progress] = None,
+    ) -> Contact:
+        """Gaps of a pair that does not collide, at even times."""
+        (n, m), k = self._n, _count("n_times", n_times)
+        x, y = _set_of("first", first, n), _set_of("second", second, m)
+        gaps, places, cells = np.empty(k), np.empty((k, self.dim)), np.empty((k, 2), dtype=np.uintp)
+        largest, mean = c_double(), c_double()
+        sets = _at(x, c_uint8), n, _at(y, c_uint8), m
+        outs = _at(gaps), _at(cells, c_size_t), _at(places), ctypes.byref(largest), ctypes.byref(mean)
+
+        # Any options will do to carry the function.
+        own, threads = ko_family_options(), _small("n_threads", n_threads)
+        _listened(own, progress, lambda _: _pair_contact(self, *sets, k, threads, own.progress, None, *outs))
+        return Contact(gaps, cells, places, largest.value, mean.value)

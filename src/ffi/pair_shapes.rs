@@ -7,6 +7,7 @@ use super::pair_options::{ko_family_options, ko_optimise_options, side};
 use super::pointer::{Sized_, array, array_mut, check_sized, check_wanted_place, object, place, wanted, write_sized};
 use super::progress::{ko_progress, listener};
 use super::status::{KO_BUDGET_REACHED, KO_OK};
+use crate::Result;
 use crate::cogen::weights::{MOST_OF_CUT, MOST_OF_FAMILY};
 use crate::cogen::{
     Bits, CellWeights, Design, Optimised, Pair, Side, Weights, close, contact, cut, family, larger, optimise,
@@ -14,7 +15,6 @@ use crate::cogen::{
 use crate::dimension::in_its_dimension;
 use crate::par::Workers;
 use crate::progress::Progress;
-use crate::Result;
 use std::ffi::c_void;
 
 /// What an optimisation found. Filled by `ko_pair_optimise`.
