@@ -48,7 +48,7 @@ contains
   end subroutine
 
   ! A turn by a quarter over the motion, as a function of C.
-  function quarter(time, rotation, translation, data) bind(c) result(failed)
+  function quarter(time, rotation, translation, data) bind(c, name="") result(failed)
     real(c_double), value :: time
     type(c_ptr), value :: rotation, translation, data
     integer(c_int32_t) :: failed
@@ -66,6 +66,7 @@ contains
     real(c_double), target :: waves(3, 1)
     real(c_double) :: p(3), q(3), f, r(2, 2, 3), s(2, 3), axis(3)
     integer, target :: something
+    type(c_funptr) :: asks
     integer(c_int32_t) :: stat
     character(len=200) :: errmsg
     p = [0.3_c_double, -0.2_c_double, 0.5_c_double]
@@ -92,10 +93,11 @@ contains
     call turn%eval([0.0_c_double, 0.5_c_double, 1.0_c_double], r, s)
     call near(r(2, 1, 3), 1.0_c_double, 1e-15_c_double, "rotations are matrices")
     call sampled%sampled(r, s)
-    call asked%from_function(2, c_funloc(quarter), c_null_ptr, 3)
+    asks = c_funloc(quarter)
+    call asked%from_function(2, asks, c_null_ptr, 3)
     call near_point(moved(sampled, 0.3_c_double, p(:2)), moved(turn, 0.3_c_double, p(:2)), 1e-14_c_double, "motion%sampled")
     call near_point(moved(asked, 0.3_c_double, p(:2)), moved(turn, 0.3_c_double, p(:2)), 1e-14_c_double, "motion%from_function")
-    call asked%from_function(2, c_funloc(quarter), c_loc(something), 3, stat, errmsg)
+    call asked%from_function(2, asks, c_loc(something), 3, stat, errmsg)
     call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "pose 2, at time 1: the function returned 5")
     call keepout_gears(reshape([0.0_c_double, 0.0_c_double, 2.0_c_double, 0.0_c_double], [2, 2]), 1.0_c_double, 1.0_c_double, &
       first, second)
@@ -124,7 +126,8 @@ contains
     integer(c_int8_t) :: cells(20), first(20), swept(40), kept(20), pin(40)
     integer(c_int8_t), allocatable :: copied(:)
     integer(c_size_t) :: counts(2)
-    real(c_double) :: corner(2), edge, out(20), ball(216)
+    real(c_double) :: corner(2), edge, out(20), ball(216), points(3, 1728), values(1728)
+    integer :: i, j, k, n
     integer(c_int32_t) :: stat
     character(len=200) :: errmsg
     corner = [-0.5_c_double, 0.0_c_double]
@@ -151,8 +154,18 @@ contains
     call near(sum(ball), 64.0_c_double, 1e-12_c_double, "part%fractions_of_mesh")
     call mesh%sample(300, 1, cloud)
     call field%fit(cloud, small_fit(6))
-    call space%fractions_of_field(field, 3.0_c_double, 2, ball)
-    call near(sum(ball), 64.0_c_double, 10.0_c_double, "part%fractions_of_field")
+    call space%fractions_of_field(field, 30.0_c_double, 2, ball)
+    n = 0
+    do i = 0, 11
+      do j = 0, 11
+        do k = 0, 11
+          n = n + 1
+          points(:, n) = -1.375_c_double + 0.25_c_double * [i, j, k]
+        end do
+      end do
+    end do
+    call field%eval(points, values)
+    call near(sum(ball), count(values < 0) / 8.0_c_double, 1e-12_c_double, "part%fractions_of_field")
     call part%fractions_of_mesh(mesh, 2, out, stat=stat, errmsg=errmsg)
     call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "the mesh has dim 3")
 

@@ -865,14 +865,14 @@ _meshes_separation = _bind(
     _doubles,
 )
 
-_law_init = _bind("ko_law_init", c_int32, POINTER(ko_law), c_size)
+_law_init = _bind("ko_law_init", c_int32, POINTER(ko_law), c_size_t)
 _motion_fixed = _bind("ko_motion_fixed", c_int32, c_uint32, _doubles, _doubles, POINTER(_motion))
 _motion_slide = _bind("ko_motion_slide", c_int32, c_uint32, _doubles, POINTER(ko_law), POINTER(_motion))
 _motion_turn = _bind("ko_motion_turn", c_int32, _doubles, POINTER(ko_law), POINTER(_motion))
 _motion_screw = _bind("ko_motion_screw", c_int32, _doubles, _doubles, c_double, POINTER(ko_law), POINTER(_motion))
-_motion_sampled = _bind("ko_motion_sampled", c_int32, c_uint32, _doubles, _doubles, c_size, POINTER(_motion))
+_motion_sampled = _bind("ko_motion_sampled", c_int32, c_uint32, _doubles, _doubles, c_size_t, POINTER(_motion))
 _motion_from_function = _bind(
-    "ko_motion_from_function", c_int32, c_uint32, ko_pose_function, c_void_p, c_size, POINTER(_motion)
+    "ko_motion_from_function", c_int32, c_uint32, ko_pose_function, c_void_p, c_size_t, POINTER(_motion)
 )
 _motion_gears = _bind("ko_motion_gears", c_int32, _doubles, c_double, c_double, POINTER(_motion), POINTER(_motion))
 _motion_four_bar = _bind(
@@ -883,7 +883,7 @@ _motion_four_bar = _bind(
     c_double,
     c_double,
     c_int32,
-    c_size,
+    c_size_t,
     POINTER(_motion),
     POINTER(_motion),
     POINTER(_motion),
@@ -892,43 +892,43 @@ _motion_product = _bind("ko_motion_product", c_int32, _motion, _motion, POINTER(
 _motion_inverse = _bind("ko_motion_inverse", c_int32, _motion, POINTER(_motion))
 _motion_free = _bind("ko_motion_free", None, _motion)
 _motion_get_dim = _bind("ko_motion_get_dim", c_int32, _motion, POINTER(c_uint32))
-_motion_eval = _bind("ko_motion_eval", c_int32, _motion, _doubles, c_size, _doubles, _doubles)
+_motion_eval = _bind("ko_motion_eval", c_int32, _motion, _doubles, c_size_t, _doubles, _doubles)
 _part_create = _bind(
-    "ko_part_create", c_int32, c_uint32, _doubles, c_double, POINTER(c_size), POINTER(c_uint8), c_size, POINTER(_part)
+    "ko_part_create", c_int32, c_uint32, _doubles, c_double, POINTER(c_size_t), POINTER(c_uint8), c_size_t, POINTER(_part)
 )
 _part_free = _bind("ko_part_free", None, _part)
-_part_get_size = _bind("ko_part_get_size", c_int32, _part, POINTER(c_uint32), POINTER(c_size))
-_part_get_grid = _bind("ko_part_get_grid", c_int32, _part, _doubles, _doubles, POINTER(c_size))
-_part_copy_cells = _bind("ko_part_copy_cells", c_int32, _part, c_size, POINTER(c_uint8))
+_part_get_size = _bind("ko_part_get_size", c_int32, _part, POINTER(c_uint32), POINTER(c_size_t))
+_part_get_grid = _bind("ko_part_get_grid", c_int32, _part, _doubles, _doubles, POINTER(c_size_t))
+_part_copy_cells = _bind("ko_part_copy_cells", c_int32, _part, c_size_t, POINTER(c_uint8))
 _part_fractions_of_mesh = _bind(
-    "ko_part_fractions_of_mesh", c_int32, _part, _mesh, c_uint32, c_uint32, c_size, _doubles
+    "ko_part_fractions_of_mesh", c_int32, _part, _mesh, c_uint32, c_uint32, c_size_t, _doubles
 )
 _part_fractions_of_field = _bind(
-    "ko_part_fractions_of_field", c_int32, _part, _field, c_double, c_uint32, c_uint32, c_size, _doubles
+    "ko_part_fractions_of_field", c_int32, _part, _field, c_double, c_uint32, c_uint32, c_size_t, _doubles
 )
 _part_fractions_of_box = _bind(
-    "ko_part_fractions_of_box", c_int32, _part, _doubles, _doubles, c_uint32, c_uint32, c_size, _doubles
+    "ko_part_fractions_of_box", c_int32, _part, _doubles, _doubles, c_uint32, c_uint32, c_size_t, _doubles
 )
 _part_fractions_of_ball = _bind(
-    "ko_part_fractions_of_ball", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size, _doubles
+    "ko_part_fractions_of_ball", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size_t, _doubles
 )
 _part_fractions_of_cylinder = _bind(
-    "ko_part_fractions_of_cylinder", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size, _doubles
+    "ko_part_fractions_of_cylinder", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size_t, _doubles
 )
-_pair_options_init = _bind("ko_pair_options_init", c_int32, POINTER(ko_pair_options), c_size)
-_family_options_init = _bind("ko_family_options_init", c_int32, POINTER(ko_family_options), c_size)
-_optimise_options_init = _bind("ko_optimise_options_init", c_int32, POINTER(ko_optimise_options), c_size)
+_pair_options_init = _bind("ko_pair_options_init", c_int32, POINTER(ko_pair_options), c_size_t)
+_family_options_init = _bind("ko_family_options_init", c_int32, POINTER(ko_family_options), c_size_t)
+_optimise_options_init = _bind("ko_optimise_options_init", c_int32, POINTER(ko_optimise_options), c_size_t)
 _part_sweep = _bind(
     "ko_part_sweep",
     c_int32,
     _part,
     POINTER(c_uint8),
-    c_size,
+    c_size_t,
     _motion,
     _part,
     _motion,
     POINTER(ko_pair_options),
-    c_size,
+    c_size_t,
     POINTER(c_uint8),
 )
 _part_unsweep = _bind(
@@ -938,50 +938,50 @@ _part_unsweep = _bind(
     _motion,
     _part,
     POINTER(c_uint8),
-    c_size,
+    c_size_t,
     _motion,
     c_int32,
     POINTER(ko_pair_options),
-    c_size,
+    c_size_t,
     POINTER(c_uint8),
 )
 _pair_create = _bind(
     "ko_pair_create", c_int32, _part, _motion, _part, _motion, POINTER(ko_pair_options), POINTER(_pair)
 )
 _pair_free = _bind("ko_pair_free", None, _pair)
-_pair_get_report = _bind("ko_pair_get_report", c_int32, _pair, c_size, POINTER(ko_pair_report))
+_pair_get_report = _bind("ko_pair_get_report", c_int32, _pair, c_size_t, POINTER(ko_pair_report))
 _pair_measures = _bind(
-    "ko_pair_measures", c_int32, _pair, _doubles, c_size, _doubles, c_size, c_uint32, _doubles, _doubles
+    "ko_pair_measures", c_int32, _pair, _doubles, c_size_t, _doubles, c_size_t, c_uint32, _doubles, _doubles
 )
 _pair_local_measures = _bind(
-    "ko_pair_local_measures", c_int32, _pair, _doubles, c_size, _doubles, c_size, c_uint32, _doubles, _doubles
+    "ko_pair_local_measures", c_int32, _pair, _doubles, c_size_t, _doubles, c_size_t, c_uint32, _doubles, _doubles
 )
 _pair_sensitivities = _bind(
     "ko_pair_sensitivities",
     c_int32,
     _pair,
     _doubles,
-    c_size,
+    c_size_t,
     _doubles,
-    c_size,
+    c_size_t,
     c_uint32,
     _doubles,
     _doubles,
     _doubles,
     _doubles,
 )
-_pair_colliding = _bind("ko_pair_colliding", c_int32, _pair, c_size, c_size, POINTER(c_uint8), POINTER(c_uint8))
+_pair_colliding = _bind("ko_pair_colliding", c_int32, _pair, c_size_t, c_size_t, POINTER(c_uint8), POINTER(c_uint8))
 _pair_volumes = _bind(
     "ko_pair_volumes",
     c_int32,
     _pair,
     POINTER(c_uint8),
-    c_size,
+    c_size_t,
     POINTER(c_uint8),
-    c_size,
+    c_size_t,
     _doubles,
     _doubles,
-    POINTER(c_size),
+    POINTER(c_size_t),
 )
 _pair_close = _bind(
     "ko_pair_close",
@@ -990,8 +990,8 @@ _pair_close = _bind(
     POINTER(c_uint8),
     POINTER(c_uint8),
     c_uint32,
-    c_size,
-    c_size,
+    c_size_t,
+    c_size_t,
     POINTER(c_uint8),
     POINTER(c_uint8),
     _doubles,
@@ -1003,8 +1003,8 @@ _pair_cut = _bind(
     _doubles,
     _doubles,
     POINTER(ko_family_options),
-    c_size,
-    c_size,
+    c_size_t,
+    c_size_t,
     POINTER(c_uint8),
     POINTER(c_uint8),
     _doubles,
@@ -1018,10 +1018,10 @@ _pair_family = _bind(
     _doubles,
     _doubles,
     _doubles,
-    c_size,
+    c_size_t,
     POINTER(ko_family_options),
-    c_size,
-    c_size,
+    c_size_t,
+    c_size_t,
     POINTER(c_uint8),
     POINTER(c_uint8),
     _doubles,
@@ -1033,14 +1033,14 @@ _pair_optimise = _bind(
     c_int32,
     _pair,
     POINTER(ko_optimise_options),
-    c_size,
-    c_size,
+    c_size_t,
+    c_size_t,
     _doubles,
     _doubles,
     POINTER(c_uint8),
     POINTER(c_uint8),
     _doubles,
-    c_size,
+    c_size_t,
     POINTER(ko_optimise_report),
 )
 _pair_contact = _bind(
@@ -1048,15 +1048,15 @@ _pair_contact = _bind(
     c_int32,
     _pair,
     POINTER(c_uint8),
-    c_size,
+    c_size_t,
     POINTER(c_uint8),
-    c_size,
-    c_size,
+    c_size_t,
+    c_size_t,
     c_uint32,
     ko_progress,
     c_void_p,
     _doubles,
-    POINTER(c_size),
+    POINTER(c_size_t),
     _doubles,
     _doubles,
     _doubles,
