@@ -46,6 +46,8 @@ packages() {
     need libpng-dev test -f /usr/include/png.h
     need libceres-dev test -f /usr/include/ceres/ceres.h
     need coinor-libipopt-dev pkg-config --exists ipopt
+    need libboost-dev test -f /usr/include/boost/version.hpp
+    need libeigen3-dev test -d /usr/include/eigen3
     need libnlopt-dev test -f /usr/include/nlopt.h
     need libnlopt-cxx-dev test -f /usr/include/nlopt.hpp
     need abigail-tools command -v abidw

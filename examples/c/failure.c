@@ -7,6 +7,6 @@
 bool succeeded(int32_t status, const char *doing)
 {
     if (status < 0)
-        fprintf(stderr, "keepout_field: %s: %s (%s)\n", doing, ko_last_error(), ko_status_string(status));
+        fprintf(stderr, "keepout: %s: %s (%s)\n", doing, ko_last_error(), ko_status_string(status));
     return status >= 0;
 }

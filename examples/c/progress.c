@@ -29,7 +29,7 @@ int32_t progress_show(double fraction, const char *stage, void *data)
     if (shown->terminal && (percent != shown->percent || new_stage))
         draw_bar(percent, stage);
     if (!shown->terminal && new_stage)
-        fprintf(stderr, "fit: %s\n", stage);
+        fprintf(stderr, "%s\n", stage);
     shown->percent = percent;
     strncpy(shown->stage, stage, sizeof shown->stage - 1);
     return 0; /* go on */
