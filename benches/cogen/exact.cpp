@@ -21,7 +21,7 @@ struct RandomStudy : study {
     RandomStudy(std::uint32_t dimension, std::size_t most, Uniform &uniform) : study{} {
         name = title = "at random";
         dim = dimension;
-        edge = 1;
+        edge[0] = edge[1] = 1;
         steps = 7 + static_cast<std::uint64_t>(20 * uniform());
         for (int part = 0; part < 2; ++part) {
             n_cells[part] = 1;
@@ -30,7 +30,7 @@ struct RandomStudy : study {
                 corner[part][a] = a < dim ? -0.5 * static_cast<double>(counts[part][a]) + uniform() - 0.5 : 0;
                 n_cells[part] *= counts[part][a];
             }
-            check(ko_part_create(dim, corner[part], edge, counts[part], nullptr, 0, &parts[part]), "ko_part_create");
+            check(ko_part_create(dim, corner[part], edge[part], counts[part], nullptr, 0, &parts[part]), "ko_part_create");
             make_motion(part, static_cast<double>(most), uniform);
         }
     }

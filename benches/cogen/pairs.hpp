@@ -164,7 +164,7 @@ inline std::array<double, 3> center_of(const study &of, int part, std::size_t ce
     std::array<double, 3> center{};
     for (int a = 2; a >= 0; --a) {
         const std::size_t n = of.counts[part][a];
-        if (static_cast<std::uint32_t>(a) < of.dim) center[a] = of.corner[part][a] + of.edge * (static_cast<double>(cell % n) + 0.5);
+        if (static_cast<std::uint32_t>(a) < of.dim) center[a] = of.corner[part][a] + of.edge[part] * (static_cast<double>(cell % n) + 0.5);
         cell /= n;
     }
     return center;
@@ -176,7 +176,7 @@ constexpr std::size_t NO_CELL = static_cast<std::size_t>(-1);
 inline std::size_t cell_at(const study &of, int part, const std::array<double, 3> &p) {
     std::size_t cell = 0;
     for (std::uint32_t a = 0; a < of.dim; ++a) {
-        const double at = (p[a] - of.corner[part][a]) / of.edge;
+        const double at = (p[a] - of.corner[part][a]) / of.edge[part];
         if (!(at >= 0 && at < static_cast<double>(of.counts[part][a]))) return NO_CELL;
         cell = cell * of.counts[part][a] + static_cast<std::size_t>(at);
     }

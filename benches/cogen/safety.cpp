@@ -64,7 +64,7 @@ Overlap look_up(const study &of, const Sets &sets, Uniform &uniform) {
             const auto center = center_of(of, 1, rim[c]);
             for (int s = 0; s < per_cell; ++s) {
                 double p[3] = {center[0], center[1], center[2]};
-                for (int a = 0, rest = s; a < static_cast<int>(of.dim); ++a, rest /= 3) p[a] += of.edge * (rest % 3 - 1) / 3;
+                for (int a = 0, rest = s; a < static_cast<int>(of.dim); ++a, rest /= 3) p[a] += of.edge[1] * (rest % 3 - 1) / 3;
                 const std::size_t i = cell_at(of, 0, pose(p));
                 if (i == NO_CELL || !sets[0][i]) continue;
                 ++found.inside;
@@ -127,7 +127,7 @@ Depth deepest(const study &of, const Sets &sets, Uniform &uniform) {
             double in_cells[3] = {0, 0, 0};
             long middle[3] = {0, 0, 0};
             for (std::uint32_t a = 0; a < of.dim; ++a) {
-                in_cells[a] = (at[a] - of.corner[0][a]) / of.edge - 0.5;
+                in_cells[a] = (at[a] - of.corner[0][a]) / of.edge[0] - 0.5;
                 middle[a] = std::lround(in_cells[a]);
             }
             long by[3];

@@ -45,7 +45,7 @@ std::array<double, 2> by_definition(const study &of, std::uint64_t steps, const 
             if (j != NO_CELL) g[1] += first[i] * second[j];
         }
     }
-    const double scale = std::pow(of.edge, of.dim) / static_cast<double>(steps);
+    const double scale = std::pow(of.edge[0], of.dim) / static_cast<double>(steps);
     return {scale * g[0], scale * g[1]};
 }
 

@@ -32,7 +32,7 @@ static bool make_part(struct study *study, int which, const double *corner, cons
         study->counts[which][a] = a < study->dim ? counts[a] : 1;
         study->n_cells[which] *= study->counts[which][a];
     }
-    return succeeded(ko_part_create(study->dim, corner, study->edge, counts, NULL, 0, &study->parts[which]), "making a part");
+    return succeeded(ko_part_create(study->dim, corner, study->edge[which], counts, NULL, 0, &study->parts[which]), "making a part");
 }
 
 /* 5.1: two squares that turn against each other about their middles, L apart. */
@@ -115,7 +115,7 @@ bool study_make(const char *name, size_t cells, struct study *study)
         study->cells = cells > 0 ? cells : kinds[i].cells;
         study->steps = kinds[i].steps;
         study->gamma = kinds[i].gamma;
-        study->edge = 1.0 / (double)study->cells;
+        study->edge[0] = study->edge[1] = 1.0 / (double)study->cells;
         if (kinds[i].make(study))
             return true;
         study_free(study);

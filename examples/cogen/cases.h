@@ -14,8 +14,9 @@ struct study {
     ko_part *parts[2];
     ko_motion *motions[2];
     size_t n_cells[2];
-    double corner[2][3], edge;
+    double corner[2][3], edge[2];
     size_t counts[2][3]; /* 1 along the third axis in the plane */
+    double enclosure[4]; /* in the plane, what is drawn behind the parts: x and y from and to; 0 for none */
 };
 
 /* The names, behind the last NULL. */

@@ -133,7 +133,8 @@ static bool run(const struct study *study, const struct options *options)
     if (ok) {
         family_print(&family);
         const size_t shown = nearest(&family, options->gamma < 0 ? study->gamma : options->gamma);
-        ok = page_write(study, &family, shown, options->folder);
+        ok = page_write(study, family.cells[0] + shown * study->n_cells[0], family.cells[1] + shown * study->n_cells[1], &family, shown,
+                        options->folder);
         if (ok)
             printf("page: %s/%s.html\n", options->folder, study->name);
     }

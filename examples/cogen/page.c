@@ -106,7 +106,8 @@ static void write_table(FILE *page, const struct family *family, size_t shown)
     fputs("</table>\n", page);
 }
 
-static bool write_page(FILE *page, const struct study *study, const struct family *family, size_t shown, const char *folder)
+static bool write_page(FILE *page, const struct study *study, const uint8_t *set_1, const uint8_t *set_2, const struct family *family,
+                       size_t shown, const char *folder)
 {
     struct scene scene;
     const int width = study->dim == 2 ? WIDTH_PLANE : WIDTH_SPACE;
@@ -116,16 +117,20 @@ static bool write_page(FILE *page, const struct study *study, const struct famil
             "table{border-collapse:collapse}td,th{padding:.15em .7em;text-align:right}.shown{background:#fff0d8}"
             "input{width:20em;max-width:90%%}</style>\n",
             study->title);
-    fprintf(page, "<h1>%s</h1>\n<p>Part 1 is blue, part 2 is orange; the pair of gamma %.2f.</p>\n<img id=\"frame\" alt=\"both parts\"><br>\n",
-            study->title, family->reached[shown]);
+    fprintf(page, "<h1>%s</h1>\n<p>Part 1 is blue, part 2 is orange.", study->title);
+    if (family != NULL)
+        fprintf(page, " The pair of gamma %.2f.", family->reached[shown]);
     fprintf(page,
-            "<input id=\"time\" type=\"range\" min=\"0\" max=\"%d\" value=\"0\" aria-label=\"time\"> <button id=\"run\">stop</button>\n"
-            "<h2>The family</h2>\n",
+            "</p>\n<img id=\"frame\" alt=\"both parts\"><br>\n"
+            "<input id=\"time\" type=\"range\" min=\"0\" max=\"%d\" value=\"0\" aria-label=\"time\"> <button id=\"run\">stop</button>\n",
             PAGE_FRAMES - 1);
-    family_chart(page, family, shown);
-    write_table(page, family, shown);
+    if (family != NULL) {
+        fputs("<h2>The family</h2>\n", page);
+        family_chart(page, family, shown);
+        write_table(page, family, shown);
+    }
     fputs("<script>\nconst frames = [\n", page);
-    if (!scene_make(study, family->cells[0] + shown * study->n_cells[0], family->cells[1] + shown * study->n_cells[1], width, &scene))
+    if (!scene_make(study, set_1, set_2, width, &scene))
         return false;
     const bool ok = write_frames(page, &scene, folder);
     scene_free(&scene);
@@ -142,14 +147,15 @@ static bool write_page(FILE *page, const struct study *study, const struct famil
     return ok;
 }
 
-bool page_write(const struct study *study, const struct family *family, size_t shown, const char *folder)
+bool page_write(const struct study *study, const uint8_t *set_1, const uint8_t *set_2, const struct family *family, size_t shown,
+                const char *folder)
 {
     char path[LONGEST_PATH];
     snprintf(path, sizeof path, "%s/%s.html", folder, study->name);
     FILE *page = fopen(path, "w");
     if (page == NULL)
         return failed(path, strerror(errno));
-    const bool ok = write_page(page, study, family, shown, folder), written = ferror(page) == 0;
+    const bool ok = write_page(page, study, set_1, set_2, family, shown, folder), written = ferror(page) == 0;
     if (fclose(page) != 0 || !written)
         return failed(path, "the disk is full, or gone");
     return ok;

@@ -7,7 +7,9 @@
 
 enum { PAGE_FRAMES = 48 };
 
-/* Writes `folder`/NAME.html, and its frames as PNG to `folder`/NAME_000.png and on. Says on stderr where that fails. */
-bool page_write(const struct study *study, const struct family *family, size_t shown, const char *folder);
+/* Writes `folder`/NAME.html, on which both sets run, and its frames as PNG to `folder`/NAME_000.png and on. `family`, of which the pair is number
+ * `shown`, may be NULL. Says on stderr where that fails. */
+bool page_write(const struct study *study, const uint8_t *set_1, const uint8_t *set_2, const struct family *family, size_t shown,
+                const char *folder);
 
 #endif

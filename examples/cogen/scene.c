@@ -15,7 +15,7 @@ struct colour {
     double red, green, blue; /* 0 to 1 */
 };
 
-static const struct colour PAPER = {1, 1, 1}, PARTS[2] = {{0.25, 0.46, 0.72}, {0.93, 0.55, 0.20}};
+static const struct colour PAPER = {1, 1, 1}, ROOM = {0.90, 0.93, 0.88}, PARTS[2] = {{0.25, 0.46, 0.72}, {0.93, 0.55, 0.20}};
 
 /* A part's pose at a time: x_w = R x + t. */
 struct pose {
@@ -85,7 +85,7 @@ static bool fit_view(struct scene *scene, int width)
             for (int corner = 0; corner < 8; ++corner) {
                 double p[3] = {0, 0, 0}, world[3];
                 for (uint32_t a = 0; a < study->dim; ++a)
-                    p[a] = study->corner[part][a] + (corner >> a & 1) * study->edge * (double)study->counts[part][a];
+                    p[a] = study->corner[part][a] + (corner >> a & 1) * study->edge[part] * (double)study->counts[part][a];
                 to_world(&pose, p, world);
                 for (int a = 0; a < 2; ++a) {
                     const double at = dot(scene->axes[a], world);
@@ -179,7 +179,9 @@ static struct colour mix(struct colour a, struct colour b, double of_b)
 /* What is seen in the plane: kept cells in the parts' colours, those that had to go as a tint. */
 static struct colour look_down(const struct scene *scene, const struct pose *poses, const double *world)
 {
-    struct colour seen = PAPER;
+    const double *room = scene->study->enclosure;
+    const bool enclosed = world[0] > room[0] && world[1] > room[1] && world[0] < room[2] && world[1] < room[3];
+    struct colour seen = enclosed ? ROOM : PAPER;
     for (int part = 0; part < 2; ++part) {
         const struct study *study = scene->study;
         double p[3];
@@ -187,7 +189,7 @@ static struct colour look_down(const struct scene *scene, const struct pose *pos
         to_part(&poses[part], poses[part].translation, world, p);
         bool within = true;
         for (int a = 0; a < 2; ++a) {
-            const double at = floor((p[a] - study->corner[part][a]) / study->edge);
+            const double at = floor((p[a] - study->corner[part][a]) / study->edge[part]);
             within = within && at >= 0 && at < (double)study->counts[part][a];
             place[a] = within ? (size_t)at : 0;
         }
@@ -245,7 +247,7 @@ static struct ray ray_of(const struct scene *scene, const struct pose *pose, int
     to_part(pose, pose->translation, world, ray.from);
     to_part(pose, NULL, away, ray.along);
     for (int a = 0; a < 3; ++a) {
-        ray.from[a] = (ray.from[a] - study->corner[part][a]) / study->edge;
+        ray.from[a] = (ray.from[a] - study->corner[part][a]) / study->edge[part];
         const double low = (0 - ray.from[a]) / ray.along[a], high = ((double)study->counts[part][a] - ray.from[a]) / ray.along[a];
         if (ray.along[a] == 0) {
             if (ray.from[a] < 0 || ray.from[a] > (double)study->counts[part][a])
@@ -267,8 +269,8 @@ static void along(const struct ray *ray, double s, double *p)
 static bool is_there(const struct scene *scene, int part, const double *p)
 {
     if (scene->cut_open && part == 0) {
-        const double x = scene->study->corner[0][0] + scene->study->edge * p[0];
-        const double y = scene->study->corner[0][1] + scene->study->edge * p[1];
+        const double x = scene->study->corner[0][0] + scene->study->edge[0] * p[0];
+        const double y = scene->study->corner[0][1] + scene->study->edge[0] * p[1];
         if (x > 0 && y < 0)
             return false;
     }
