@@ -16,6 +16,7 @@
 use super::bits::Bits;
 use super::conflict::{Conflicts, OverlapOptions, Side};
 use super::cut::{cut, weight_of_all};
+use super::foresight::Limit;
 use super::grid::MOST_CELLS;
 use super::motion::Motion;
 use super::parcels::{Room, each_block, n_blocks};
@@ -134,7 +135,7 @@ impl Assembly {
         }
         of_part.iter_mut().for_each(|of| of.sort_by_key(|(other, _)| *other));
         let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_all), "the assembly's graph")?;
-        let mut room = Room::new("the assembly's graph", n_all, max_bytes);
+        let mut room = Room::new(Limit::of("the assembly's graph", max_bytes), n_all);
         let make = |rows: Range<usize>| -> Result<Block> {
             let mut block = Block::new()?;
             for u in rows {

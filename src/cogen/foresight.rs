@@ -13,17 +13,15 @@ const SAMPLE: usize = 512;
 /// Of so many rows one is looked at, at most: the rest of the work is what the sample is to save.
 const ONE_OF: usize = 16;
 
-/// What may be taken, for two grids' cells.
+/// What may be taken.
 #[derive(Debug, Clone, Copy)]
 pub struct Limit {
     /// For what.
     what: &'static str,
     /// Bytes.
     most: u64,
-    /// Edges of both grids' cells.
-    cells: [f64; 2],
-    /// Bytes grow as this power of 1 / eps, at least.
-    power: i32,
+    /// Edges of both grids' cells, and the power of 1 / eps that bytes grow as, at least; where what would fit can be told by these.
+    cells: Option<([f64; 2], i32)>,
 }
 
 /// Bytes that all rows will take.
@@ -37,7 +35,12 @@ pub struct Estimate {
 impl Limit {
     /// `most` bytes for `what`, which grows as eps^-`power` with the cells of both grids, at least.
     pub fn new<const D: usize>(what: &'static str, most: u64, grids: [&Grid<D>; 2], power: usize) -> Self {
-        Limit { what, most, cells: grids.map(Grid::cell), power: power as i32 }
+        Limit { what, most, cells: Some((grids.map(Grid::cell), power as i32)) }
+    }
+
+    /// `most` bytes for `what`, whatever it grows with.
+    pub fn of(what: &'static str, most: u64) -> Self {
+        Limit { what, most, cells: None }
     }
 
     /// Bytes.
@@ -52,19 +55,18 @@ impl Limit {
 
     /// The error of what would take `bytes`; `n_steps` of time would fit too.
     pub fn refusal(&self, bytes: f64, n_steps: Option<usize>) -> Error {
-        let part = bytes / self.most.max(1) as f64;
-        let larger = (102.0 * part.powf(1.0 / f64::from(self.power))).ceil();
-        let [one, two] = self.cells.map(|eps| {
-            let eps = eps * larger / 100.0;
-            number(format!("{eps:.3e}").parse().unwrap_or(eps))
+        let fit = self.cells.map(|(cells, power)| {
+            let part = bytes / self.most.max(1) as f64;
+            let larger = (102.0 * part.powf(1.0 / f64::from(power))).ceil() / 100.0;
+            let [one, two] = cells.map(|eps| {
+                let eps = eps * larger;
+                number(format!("{eps:.3e}").parse().unwrap_or(eps))
+            });
+            let steps = n_steps.map(|n| format!(", or with {n} steps of time")).unwrap_or_default();
+            format!(", which would fit with cells about {larger} times as large ({one} and {two}){steps},")
         });
-        let steps = n_steps.map(|n| format!(", or with {n} steps of time")).unwrap_or_default();
         Error::OutOfMemory {
-            what: format!(
-                "{}, which would fit with cells about {} times as large ({one} and {two}){steps},",
-                self.what,
-                larger / 100.0
-            ),
+            what: format!("{}{}", self.what, fit.unwrap_or_default()),
             bytes: bytes as u128,
             limit: Some(self.most.into()),
         }

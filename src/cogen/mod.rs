@@ -89,6 +89,7 @@ pub use sampled::SpeedLimit;
 pub use steps::{Relative, Sampling};
 pub use symmetry::{Folded, Symmetry};
 pub use topological::Change;
+pub use weights::{CellWeights, Weights};
 
 #[cfg(test)]
 mod tests;
