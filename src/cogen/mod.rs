@@ -19,7 +19,7 @@
 //! | weights of cells as whole numbers | [`weights`] |
 //! | Goldberg and Tarjan 1988, push and relabel | `flow` |
 //! | Picard and Queyranne 1980, all minimum cuts; Tarjan 1972 | `ties` |
-//! | (25), (26), the family over gamma | [`mod@family`] |
+//! | (25), (26), the family over gamma | [`mod@family`], `proximal` |
 //! | symmetric pairs | [`symmetry`] |
 //! | more than two parts; Nemhauser and Trotter 1975, the bound | [`assembly`]; `swept_box` |
 //! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`mod@contact`] |
