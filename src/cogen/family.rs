@@ -299,7 +299,7 @@ impl Search<'_> {
         let mut between = first;
         for pull in PULLS {
             // Places are told apart to a hundredth of the row.
-            let (mut from, mut to, apart) = (0, between.len(), between.len().div_ceil(100));
+            let (mut from, mut to, apart) = (0, between.n_places(), between.n_places().div_ceil(100));
             let base = few.pair.cells[near.index()].clone();
             while off(&best) > LOOSE && to - from > apart {
                 let place = (from + to) / 2;

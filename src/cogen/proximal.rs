@@ -62,7 +62,7 @@ impl<'a> Proximal<'a> {
     }
 
     /// Near cells of the row.
-    pub fn len(&self) -> usize {
+    pub fn n_places(&self) -> usize {
         self.gained.count()
     }
 
@@ -108,7 +108,7 @@ mod tests {
             let weights = n.map(|n| (0..n).map(|_| 1 + random.bits() % 3).collect::<Vec<u64>>());
             let mut last = Bits::none(n[0]).unwrap();
             let pull = PULLS[random.bits() as usize % PULLS.len()];
-            for place in 0..=proximal.len() {
+            for place in 0..=proximal.n_places() {
                 let silent = &mut Progress::silent();
                 let found = proximal.cut(place, pull, [&weights[0], &weights[1]], silent).unwrap();
                 let before = |at: u32, sign: i64| 8 + sign * pull as i64 * if (at as usize) < place { 1 } else { -1 };

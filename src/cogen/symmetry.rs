@@ -361,10 +361,10 @@ mod tests {
     fn assert_free_and_maximal(edges: &[Vec<bool>], room: &[Bits; 2], pair: &Pair) {
         let meets =
             |k: usize, i: usize| pair.cells[1 - k].iter().any(|j| if k == 0 { edges[i][j] } else { edges[j][i] });
-        for k in 0..2 {
-            for i in 0..room[k].len() {
-                assert!(!pair.cells[k].has(i) || room[k].has(i) && !meets(k, i));
-                assert!(pair.cells[k].has(i) || !room[k].has(i) || meets(k, i), "it could grow");
+        for (k, room) in room.iter().enumerate() {
+            for i in 0..room.len() {
+                assert!(!pair.cells[k].has(i) || room.has(i) && !meets(k, i));
+                assert!(pair.cells[k].has(i) || !room.has(i) || meets(k, i), "it could grow");
             }
         }
     }
