@@ -8,7 +8,7 @@
 
 use super::bits::Bits;
 use super::grid::Grid;
-use super::relax::{Facets, Home, relax};
+use super::relax::{Facets, Home, Relaxing, relax};
 use crate::error::{try_reserve, try_vec, try_with_capacity};
 use crate::geometry::Mesh;
 use crate::geometry::vec::number;
@@ -53,7 +53,7 @@ pub fn mesh_of_cells<const D: usize>(
             grid.n_cells()
         )));
     }
-    mesh(grid, cells, |_, _| 0.5, options, progress)
+    mesh(grid, cells, |_, _| 0.5, WEAK, options, progress)
 }
 
 /// The same of the cells with a density above `level`; the surface is drawn to where the density passes it.
@@ -77,7 +77,7 @@ pub fn mesh_of_densities<const D: usize>(
     let cells = Bits::of(densities.len(), |i| densities[i] > level)?;
     let beside = |j: Option<usize>| j.map_or(0.0, |j| densities[j]);
     let part = |i: usize, j: Option<usize>| (densities[i] - level) / (densities[i] - beside(j));
-    mesh(grid, &cells, part, options, progress)
+    mesh(grid, &cells, part, STRONG, options, progress)
 }
 
 /// A face of a cell.
@@ -135,6 +135,7 @@ fn mesh<const D: usize>(
     grid: &Grid<D>,
     cells: &Bits,
     part: impl Fn(usize, Option<usize>) -> f64,
+    pull: f64,
     options: &BoundaryOptions,
     progress: &mut Progress<'_>,
 ) -> Result<Mesh<D>> {
@@ -147,9 +148,11 @@ fn mesh<const D: usize>(
     let mut facets = joined.facets(&faces)?;
     let mut places: Vec<[f64; D]> = try_with_capacity(homes.len(), "the mesh of a part")?;
     places.extend(homes.iter().map(|h| h.place));
-    let kept = if options.within == Within::Cells { Some((grid, cells)) } else { None };
+    let inside = options.within == Within::Cells;
+    let kept = inside.then_some((grid, cells));
+    let how = Relaxing { kept, rounds: options.rounds, pull: if inside { WEAK } else { pull } };
 
-    relax(&mut places, &homes, &mut facets, kept, options.rounds, progress)?;
+    relax(&mut places, &homes, &mut facets, &how, progress)?;
     // As the corners of cells are made of their places, so that what is in a cell stays in it.
     let corner = grid.corner();
     places.iter_mut().for_each(|p| *p = std::array::from_fn(|a| corner[a] + grid.cell() * p[a]));
@@ -361,6 +364,12 @@ impl Joined {
         Ok(facets)
     }
 }
+
+/// How much vertices are drawn to where faces pass the level: where only cells tell that, it is not known to half a cell.
+const WEAK: f64 = 0.01;
+
+/// The same of densities, which tell more.
+const STRONG: f64 = 0.1;
 
 /// Vertices go at most this part of a part's thickness into it, from either side, so that half of it stays.
 const QUARTER: f64 = 0.25;

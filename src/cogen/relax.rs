@@ -39,24 +39,31 @@ pub struct Facets<const D: usize> {
     pub looks: Vec<(u8, bool)>,
 }
 
-/// How much of the way is towards the aim.
-const PULL: f64 = 0.01;
-
 /// Shadows on other axes than the grid's are apart by this much at least.
 const CLEAR: f64 = 1e-9;
 
 /// What a facet's normal, in the length of [`crate::geometry::Mesh::area_normal`], has at least along what it looks along.
 const UPRIGHT: f64 = 0.01;
 
-/// Moves `places` for as many rounds; within the cells of `kept`, if there are any.
+/// How vertices are moved.
+pub struct Relaxing<'a, const D: usize> {
+    /// The cells that facets stay in, if they are to.
+    pub kept: Option<(&'a Grid<D>, &'a Bits)>,
+    /// Times that each is moved.
+    pub rounds: usize,
+    /// What part of the way is towards the aim.
+    pub pull: f64,
+}
+
+/// Moves `places`.
 pub fn relax<const D: usize>(
     places: &mut [[f64; D]],
     homes: &[Home<D>],
     facets: &mut Facets<D>,
-    kept: Option<(&Grid<D>, &Bits)>,
-    rounds: usize,
+    how: &Relaxing<'_, D>,
     progress: &mut Progress<'_>,
 ) -> Result<()> {
+    let Relaxing { kept, rounds, pull } = *how;
     let around = Around::new(places.len(), &facets.corners)?;
     // u, from each vertex to the mean of its neighbours.
     let mut means: Vec<[f64; D]> = try_with_capacity(places.len(), "the mesh of a part")?;
@@ -69,7 +76,12 @@ pub fn relax<const D: usize>(
         progress.tell(round as f64 / rounds as f64, "mesh of a part")?;
         for v in 0..places.len() {
             let old = places[v];
-            let to = target(v, &old, &homes[v], &means, &around, &facets.corners);
+            let home = &homes[v];
+            let plate = level(v, &means, &around, &facets.corners);
+            let to = std::array::from_fn(|a| {
+                let to = old[a] + (1.0 - pull) * plate[a] + pull * (home.aim[a] - old[a]);
+                to.clamp(home.place[a] - home.reach[a], home.place[a] + home.reach[a])
+            });
             go(v, to, places, &around, facets, kept);
             let moved = sub(places[v], old);
             if moved != [0.0; D] {
@@ -86,26 +98,16 @@ pub fn relax<const D: usize>(
     Ok(())
 }
 
-/// Where vertex `v` would have the least sum of |u|^2, its own and its neighbours', and a little towards its aim.
-fn target<const D: usize>(
-    v: usize,
-    old: &[f64; D],
-    home: &Home<D>,
-    means: &[[f64; D]],
-    around: &Around,
-    corners: &[[u32; D]],
-) -> [f64; D] {
-    let (mut off, mut weight) = (means[v], 1.0);
+/// The way of vertex `v` to where the sum of |u|^2 is least, its own and its neighbours'.
+fn level<const D: usize>(v: usize, means: &[[f64; D]], around: &Around, corners: &[[u32; D]]) -> [f64; D] {
+    let (mut way, mut weight) = (means[v], 1.0);
     around.each(corners, v, |w| {
         let share = 1.0 / around.n_neighbours::<D>(w);
         // Each neighbour comes D - 1 times.
         weight += share * share * (D - 1) as f64;
-        off = sub(off, scale(share, means[w]));
+        way = sub(way, scale(share, means[w]));
     });
-    std::array::from_fn(|a| {
-        let to = old[a] + (1.0 - PULL) * off[a] / weight + PULL * (home.aim[a] - old[a]);
-        to.clamp(home.place[a] - home.reach[a], home.place[a] + home.reach[a])
-    })
+    scale(1.0 / weight, way)
 }
 
 /// Moves a vertex to `to`, or half or a quarter of the way, or along some axes, as far as its facets are good there.
