@@ -39,7 +39,9 @@ impl Default for BoundaryOptions {
     }
 }
 
-/// A closed mesh of `cells`, within half a cell of their boundary: curves in the plane, triangles in space.
+/// A closed mesh of `cells`, within a cell of their boundary along each axis: curves in the plane, triangles in space. It is moved into a part by a
+/// quarter of its thickness there at most. Where cells touch by an edge or a corner it may touch itself: formats without vertices of their own,
+/// as STL, and in single precision, would weld it there. A field is fitted to what [`Mesh::sample`] draws from it.
 pub fn mesh_of_cells<const D: usize>(
     grid: &Grid<D>,
     cells: &Bits,

@@ -23,6 +23,7 @@
 //! | symmetric pairs | [`symmetry`] |
 //! | more than two parts; Nemhauser and Trotter 1975, the bound | [`assembly`]; `swept_box` |
 //! | figure 11, gaps over the motion; Felzenszwalb and Huttenlocher 2012, distance maps | [`mod@contact`] |
+//! | of pairs of one weight, those that keep in touch | [`persistent`] |
 //! | meshes of parts; Gibson 1998, surface nets | [`boundary`]; `relax` |
 //!
 //! Where we depart from the paper, beyond what the pages of these say. Its measure looks at centres of cells at sampled times, so that pairs for
@@ -58,6 +59,7 @@ pub mod optimise;
 mod parcels;
 pub mod part;
 mod proximal;
+pub mod persistent;
 mod relax;
 mod rows;
 mod sampled;
@@ -85,6 +87,7 @@ pub use grid::Grid;
 pub use motion::{Law, Motion, Wave};
 pub use optimise::{Design, OptimiseOptions, Optimised, optimise};
 pub use part::{Cell, Part};
+pub use persistent::{PersistenceOptions, Persistent, more_persistent, most_persistent};
 pub use sampled::SpeedLimit;
 pub use steps::{Relative, Sampling};
 pub use symmetry::{Folded, Symmetry};
