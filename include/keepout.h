@@ -1052,7 +1052,8 @@ typedef struct ko_pair_options {
      */
     double clearance;
     /**
-     * Bytes that measures and graph may take; more is refused as soon as it is seen, with what it would take. Default 8 GiB.
+     * Bytes that measures and a graph of overlap may take together; more is refused as soon as it is seen, with what it would take. Default
+     * 8 GiB.
      */
     uint64_t max_bytes;
     /**
@@ -2734,7 +2735,7 @@ int32_t ko_pair_get_report(const struct ko_pair *pair, size_t report_size, struc
  * The weights are (A.14) to (A.17) with densities as fractions of cells, w^12 = eps_2^dim n_12 / K: unit of length to the power dim. Both are 0 for
  * densities of pairs without KO_CONFLICTS_OF_MEASURE. A density must be 0 where the part may not have the cell.
  * Errors: KO_ERR_INVALID_ARGUMENT for a pair without measures, another number of cells, or a density outside [0, 1], naming the first;
- * KO_ERR_OUT_OF_MEMORY. Threads: any number at once; `n_threads` is as elsewhere, and the bits do not depend on it. Cost: a nanosecond or two a
+ * KO_ERR_OUT_OF_MEMORY. Threads: any number at once; `n_threads` is as elsewhere, and the bits do not depend on it. Cost: some nanoseconds a
  * visit of `ko_pair_get_report`; a number a cell.
  */
 int32_t ko_pair_measures(const struct ko_pair *pair,
@@ -2843,8 +2844,8 @@ int32_t ko_pair_close(const struct ko_pair *pair,
  * pairs it is always the same.
  * `options` NULL: the defaults; `gap` does not count.
  * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming the
- * first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: a second or so for
- * 160,000 cells a part and 10^8 edges; a few numbers a cell.
+ * first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some seconds for
+ * 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.
  */
 int32_t ko_pair_cut(const struct ko_pair *pair,
                     const double *weights_1,

@@ -266,7 +266,7 @@ unsafe fn densities<'a>(one: *const f64, n_1: usize, two: *const f64, n_2: usize
 /// The weights are (A.14) to (A.17) with densities as fractions of cells, w^12 = eps_2^dim n_12 / K: unit of length to the power dim. Both are 0 for
 /// densities of pairs without KO_CONFLICTS_OF_MEASURE. A density must be 0 where the part may not have the cell.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a pair without measures, another number of cells, or a density outside [0, 1], naming the first;
-/// KO_ERR_OUT_OF_MEMORY. Threads: any number at once; `n_threads` is as elsewhere, and the bits do not depend on it. Cost: a nanosecond or two a
+/// KO_ERR_OUT_OF_MEMORY. Threads: any number at once; `n_threads` is as elsewhere, and the bits do not depend on it. Cost: some nanoseconds a
 /// visit of `ko_pair_get_report`; a number a cell.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_pair_measures(

@@ -32,7 +32,8 @@ pub struct ko_pair_options {
     pub measure_steps: u64,
     /// Distance that parts keep from each other at all times, in the unit of length, at least 0; with KO_CONFLICTS_OF_OVERLAP. Default 0.
     pub clearance: f64,
-    /// Bytes that measures and graph may take; more is refused as soon as it is seen, with what it would take. Default 8 GiB.
+    /// Bytes that measures and a graph of overlap may take together; more is refused as soon as it is seen, with what it would take. Default
+    /// 8 GiB.
     pub max_bytes: u64,
     /// A KO_CONFLICTS_ constant. Default KO_CONFLICTS_OF_OVERLAP.
     pub conflicts: i32,

@@ -209,8 +209,8 @@ pub unsafe extern "C" fn ko_pair_close(
 /// pairs it is always the same.
 /// `options` NULL: the defaults; `gap` does not count.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming the
-/// first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: a second or so for
-/// 160,000 cells a part and 10^8 edges; a few numbers a cell.
+/// first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some seconds for
+/// 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_pair_cut(
     pair: *const ko_pair,

@@ -59,13 +59,12 @@ pub unsafe extern "C" fn ko_part_sweep(
         }
         match (part, still) {
             (OfDimension::Plane(part), OfDimension::Plane(still)) => {
-                let motions = motions.map(|m| in_plane(m));
-                let [motion, still_motion] = motions;
+                let [motion, still_motion] = motions.map(in_plane);
                 // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
                 unsafe { swept_into(part, &set, (motion?, still_motion?), still, &options, swept) }
             }
             (OfDimension::Space(part), OfDimension::Space(still)) => {
-                let [motion, still_motion] = motions.map(|m| in_space(m));
+                let [motion, still_motion] = motions.map(in_space);
                 // SAFETY: as above.
                 unsafe { swept_into(part, &set, (motion?, still_motion?), still, &options, swept) }
             }
@@ -142,12 +141,12 @@ pub unsafe extern "C" fn ko_part_unsweep(
         };
         match (part, body) {
             (OfDimension::Plane(part), OfDimension::Plane(body)) => {
-                let [motion, body_motion] = motions.map(|m| in_plane(m));
+                let [motion, body_motion] = motions.map(in_plane);
                 // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
                 unsafe { left_of(part, (motion?, body_motion?), (body, &set, rule), &options, kept) }
             }
             (OfDimension::Space(part), OfDimension::Space(body)) => {
-                let [motion, body_motion] = motions.map(|m| in_space(m));
+                let [motion, body_motion] = motions.map(in_space);
                 // SAFETY: as above.
                 unsafe { left_of(part, (motion?, body_motion?), (body, &set, rule), &options, kept) }
             }
