@@ -2796,12 +2796,12 @@ int32_t ko_pair_colliding(const struct ko_pair *pair,
                           uint8_t *cells_2);
 
 /**
- * Tells of the sets `set_1` [n_1] and `set_2` [n_2], whatever they are, the areas or volumes `volumes` [2] of what is left of the colliding cells,
- * `*gamma` = V_2 / (V_1 + V_2) as in (37d) of Morris and Behandish 2022, NaN where nothing is left, and `*n_lost`, the cells of part 2 in its set that
- * conflict with cells of part 1 in its: 0 of a pair that never collides. Each output may be NULL.
+ * Tells of the sets `set_1` [n_1] and `set_2` [n_2], whatever they are, the areas or volumes `volumes` [2] of what is left of the colliding
+ * cells, `*gamma` = V_2 / (V_1 + V_2) as in (37d) of Morris and Behandish 2022, NaN where nothing is left, and `*n_lost`, the cells of part 2
+ * in its set that conflict with cells of part 1 in its: 0 of a pair that never collides. Each output may be NULL.
  *
- * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1. Threads: any number at
- * once. Cost: a pass over the edges of part 1's set.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1. Threads: any number
+ * at once. Cost: a pass over the edges of part 1's set.
  */
 int32_t ko_pair_volumes(const struct ko_pair *pair,
                         const uint8_t *set_1,
@@ -2813,15 +2813,15 @@ int32_t ko_pair_volumes(const struct ko_pair *pair,
                         size_t *n_lost);
 
 /**
- * Closes a pair: from any sets to one that never collides and cannot grow, `cells_1` [n_1] and `cells_2` [n_2]; `*gamma`, which may be NULL, is what
- * it reached, as `ko_pair_volumes` tells.
+ * Closes a pair: from any sets to one that never collides and cannot grow, `cells_1` [n_1] and `cells_2` [n_2]; `*gamma`, which may be NULL, is
+ * what it reached, as `ko_pair_volumes` tells.
  *
- * `from` is the part whose set is kept as far as the other's frozen cells let it, 1 or 2; 0: that with the larger area or volume. With A_i the cells
- * that part i may have beside the frozen ones of the other, and N(.) the cells in conflict: from part 1, S_2 = A_2 \ N(S_1), then S_1 = A_1 \ N(S_2);
- * maximal pairs of Definition 2 of Morris and Behandish 2022. With all of part 1 and from 1 it is the unsweep, gamma = 0; all of part 2 and from 2
- * give gamma = 1. `set_1` [n_1] and `set_2` [n_2] are sets; that of the part that one does not begin with may be NULL, unless `from` is 0.
- * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1, another `from`;
- * KO_ERR_OUT_OF_MEMORY. Threads: any number at once. Cost: two passes over the edges.
+ * `from` is the part whose set is kept as far as the other's frozen cells let it, 1 or 2; 0: that with the larger area or volume. With A_i the
+ * cells that part i may have beside the frozen ones of the other, and N(.) the cells in conflict: from part 1, S_2 = A_2 \ N(S_1), then S_1 =
+ * A_1 \ N(S_2); maximal pairs of Definition 2 of Morris and Behandish 2022. With all of part 1 and from 1 it is the unsweep, gamma = 0; all of
+ * part 2 and from 2 give gamma = 1. `set_1` [n_1] and `set_2` [n_2] are sets; that of the part that one does not begin with may be NULL, unless
+ * `from` is 0. Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1, another
+ * `from`; KO_ERR_OUT_OF_MEMORY. Threads: any number at once. Cost: two passes over the edges.
  */
 int32_t ko_pair_close(const struct ko_pair *pair,
                       const uint8_t *set_1,
@@ -2834,18 +2834,18 @@ int32_t ko_pair_close(const struct ko_pair *pair,
                       double *gamma);
 
 /**
- * Finds the pair of the greatest weight among all that never collide, `cells_1` [n_1] and `cells_2` [n_2]: a minimum cut of the conflict graph, which
- * is globally optimal. It is maximal too.
+ * Finds the pair of the greatest weight among all that never collide, `cells_1` [n_1] and `cells_2` [n_2]: a minimum cut of the conflict graph,
+ * which is globally optimal. It is maximal too.
  *
- * `weights_1` [n_1] and `weights_2` [n_2], at least 0, are what cells count for, such as an outside objective's sensitivities; NULL: the cell's area
- * or volume. `*weight` is the pair's, and `*bound`, all cells' less the flow that meets the cut, what no pair weighs more than: the same, which is the proof.
- * Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are; others are rounded up to
- * multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as `ko_pair_volumes` tells. Of several best
- * pairs it is always the same.
+ * `weights_1` [n_1] and `weights_2` [n_2], at least 0, are what cells count for, such as an outside objective's sensitivities; NULL: the cell's
+ * area or volume. `*weight` is the pair's, and `*bound`, all cells' less the flow that meets the cut, what no pair weighs more than: the same,
+ * which is the proof. Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are;
+ * others are rounded up to multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as
+ * `ko_pair_volumes` tells. Of several best pairs it is always the same.
  * `options` NULL: the defaults; `gap` does not count.
- * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming the
- * first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some seconds for
- * 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming
+ * the first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some
+ * seconds for 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.
  */
 int32_t ko_pair_cut(const struct ko_pair *pair,
                     const double *weights_1,
@@ -2863,11 +2863,11 @@ int32_t ko_pair_cut(const struct ko_pair *pair,
  * Finds a family of pairs that never collide, one for each of `gammas` [n_gammas] in [0, 1], (25) and (26) of Morris and Behandish 2022: sets
  * `cells_1` [n_gammas * n_1] and `cells_2` [n_gammas * n_2], a row each for every gamma.
  *
- * `reached` [n_gammas] are the gammas of the pairs, V_2 / (V_1 + V_2) as in (37d), `volumes` [2 * n_gammas] V_1 and V_2, what is left of the colliding
- * cells, and `bounds` [n_gammas] what no pair of the gamma that was asked for has for V_1 + V_2. Each of these may be NULL. Volumes are by `weights_1`
- * [n_1] and `weights_2` [n_2], at least 0; NULL: the cell's area or volume. Weights that are no multiples of a common unit, see `ko_pair_cut`, are
- * rounded up to multiples of 2^-32 of their sum. gamma 0 and 1 are the unsweeps. A gamma that no pair reaches gets one near to it.
- * `options` NULL: the defaults.
+ * `reached` [n_gammas] are the gammas of the pairs, V_2 / (V_1 + V_2) as in (37d), `volumes` [2 * n_gammas] V_1 and V_2, what is left of the
+ * colliding cells, and `bounds` [n_gammas] what no pair of the gamma that was asked for has for V_1 + V_2. Each of these may be NULL. Volumes
+ * are by `weights_1` [n_1] and `weights_2` [n_2], at least 0; NULL: the cell's area or volume. Weights that are no multiples of a common unit,
+ * see `ko_pair_cut`, are rounded up to multiples of 2^-32 of their sum. gamma 0 and 1 are the unsweeps. A gamma that no pair reaches gets one
+ * near to it. `options` NULL: the defaults.
  * Errors: those of `ko_pair_cut`; KO_ERR_INVALID_ARGUMENT for a gamma outside [0, 1], naming the first, and a gap outside [0, 1). Threads: as
  * `ko_pair_cut`. Cost: some cuts, not one for each gamma; n_1 + n_2 bytes a gamma and more inside.
  */
@@ -2886,17 +2886,18 @@ int32_t ko_pair_family(const struct ko_pair *pair,
                        double *bounds);
 
 /**
- * Optimises densities by the method of moving asymptotes, (37) to (43) of Morris and Behandish 2022, and closes what it gives: `cells_1` [n_1] and
- * `cells_2` [n_2], a pair that never collides and cannot grow.
+ * Optimises densities by the method of moving asymptotes, (37) to (43) of Morris and Behandish 2022, and closes what it gives: `cells_1` [n_1]
+ * and `cells_2` [n_2], a pair that never collides and cannot grow.
  *
- * It maximises V_1 + V_2 over the densities of the colliding cells with g_21 = 0, g_12 = 0 and gamma V_1 = (1 - gamma) V_2, each within `feasibility`;
- * then densities above 1/2 are closed in the pair's conflict graph. `densities_1` [n_1] and `densities_2` [n_2] get what it ends with, and
- * `history` [5 * (max_iterations + 1)] a row for the beginning and each iteration: V_1, V_2, g_21, g_12, and the part of the colliding volume that
- * changed; rows behind the last are left as they are. Each of these three may be NULL. `options` NULL: the defaults; `report_size` is sizeof *report.
- * A minimum cut, `ko_pair_cut` or `ko_pair_family`, gives better pairs sooner; this is for comparison, and for objectives of one's own.
- * Returns KO_BUDGET_REACHED, a success, where iterations ended before the tolerance was reached. Errors: KO_ERR_INVALID_ARGUMENT for a pair without
- * measures or without conflict graph, another number of cells, an option out of its range; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number
- * at once; `progress` is called on the caller's. Cost: sensitivities an iteration; some 30 numbers a colliding cell.
+ * It maximises V_1 + V_2 over the densities of the colliding cells with g_21 = 0, g_12 = 0 and gamma V_1 = (1 - gamma) V_2, each within
+ * `feasibility`; then densities above 1/2 are closed in the pair's conflict graph. `densities_1` [n_1] and `densities_2` [n_2] get what it ends
+ * with, and `history` [5 * (max_iterations + 1)] a row for the beginning and each iteration: V_1, V_2, g_21, g_12, and the part of the
+ * colliding volume that changed; rows behind the last are left as they are. Each of these three may be NULL. `options` NULL: the defaults;
+ * `report_size` is sizeof *report. A minimum cut, `ko_pair_cut` or `ko_pair_family`, gives better pairs sooner; this is for comparison, and for
+ * objectives of one's own. Returns KO_BUDGET_REACHED, a success, where iterations ended before the tolerance was reached. Errors:
+ * KO_ERR_INVALID_ARGUMENT for a pair without measures or without conflict graph, another number of cells, an option out of its range;
+ * KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's. Cost: sensitivities an iteration;
+ * some 30 numbers a colliding cell.
  */
 int32_t ko_pair_optimise(const struct ko_pair *pair,
                          const struct ko_optimise_options *options,
@@ -2911,15 +2912,16 @@ int32_t ko_pair_optimise(const struct ko_pair *pair,
                          struct ko_optimise_report *report);
 
 /**
- * Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times: figure
- * 11 of Morris and Behandish 2022.
+ * Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times:
+ * figure 11 of Morris and Behandish 2022.
  *
- * `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2, and
- * `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
+ * `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2,
+ * and `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
  * `progress` is told of progress with `progress_data`, or NULL.
- * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million; KO_ERR_DEGENERATE
- * where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's; `n_threads` is
- * as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell of part 1.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million;
+ * KO_ERR_DEGENERATE where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the
+ * caller's; `n_threads` is as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell
+ * of part 1.
  */
 int32_t ko_pair_contact(const struct ko_pair *pair,
                         const uint8_t *set_1,

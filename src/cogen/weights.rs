@@ -152,7 +152,10 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rounded_weights_are_no_less_and_little_more(v in prop::collection::vec(0.0..3.0_f64, 1..40), w in prop::collection::vec(0.0..1e3_f64, 0..9)) {
+        fn rounded_weights_are_no_less_and_little_more(
+            v in prop::collection::vec(0.0..3.0_f64, 1..40),
+            w in prop::collection::vec(0.0..1e3_f64, 0..9),
+        ) {
             let most = 1 << 20;
             let (one, two, unit) = units([Weights::Each(&v), Weights::Each(&w)], most);
             prop_assert!(one.iter().chain(&two).sum::<u64>() <= most);
