@@ -310,8 +310,8 @@ impl Joined {
                 (0..D).for_each(|b| home.aim[b] += center[b]);
                 *w += 1.0;
             };
-            for k in 0..n {
-                put(self.vertices[f * n + k], at[k], f64::INFINITY);
+            for (k, corner) in at.iter().enumerate().take(n) {
+                put(self.vertices[f * n + k], *corner, f64::INFINITY);
             }
             if self.is_fan(f) {
                 for k in (0..n).filter(|k| self.middles[f * n + k] != NONE) {

@@ -10,7 +10,7 @@ use super::frozen;
 use super::grid::Grid;
 use super::part::Part;
 use super::steps::Relative;
-use crate::Result;
+use crate::{Error, Result};
 
 /// A pair of parts, by their cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,8 +51,30 @@ pub fn room<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2], relativ
     Ok(room)
 }
 
-/// The pair that one gets by keeping `set`, the cells of part `side`, as far as there is `room` for them.
+/// Refuses sets of other grids' cells.
+pub(super) fn check_room(conflicts: &Conflicts, room: &[Bits; 2]) -> Result<()> {
+    check_set(conflicts, Side::First, &room[0])?;
+    check_set(conflicts, Side::Second, &room[1])
+}
+
+/// The same of one.
+pub(super) fn check_set(conflicts: &Conflicts, side: Side, set: &Bits) -> Result<()> {
+    if set.len() == conflicts.n_cells(side) {
+        return Ok(());
+    }
+    Err(Error::InvalidArgument(format!(
+        "a set among {} cells for part {}; its grid has {}",
+        set.len(),
+        side.index() + 1,
+        conflicts.n_cells(side)
+    )))
+}
+
+/// The pair that one gets by keeping `set`, the cells of part `side`, as far as there is `room` for them. The error tells of sets of other grids'
+/// cells.
 pub fn close(conflicts: &Conflicts, room: &[Bits; 2], side: Side, set: &Bits) -> Result<Pair> {
+    check_room(conflicts, room)?;
+    check_set(conflicts, side, set)?;
     let (one, two) = (side.index(), side.other().index());
     let mut kept = set.clone();
     kept.intersect(&room[one]);

@@ -3,7 +3,9 @@
 //! An edge joins cells that overlap at some time. Pairs of parts that never collide are the independent sets of this bipartite graph.
 
 use super::bits::{Bits, Marks};
+use super::closure::check_set;
 use super::foresight::{Estimate, Limit};
+use super::grid::Grid;
 use super::parcels::{Room, cells, each_block, n_blocks};
 use super::part::Part;
 use super::rows::{Block, Rows};
@@ -59,6 +61,12 @@ impl Default for OverlapOptions {
     }
 }
 
+/// Which of two parts is seen to move, by its cells and how many of them count: that with fewer. Graphs and unsweeps ask the same, so that they
+/// keep the same cells.
+pub(super) fn moves<const D: usize>(grid: &Grid<D>, n: usize, other: &Grid<D>, n_other: usize) -> bool {
+    n.cmp(&n_other).then_with(|| grid.order(other)).is_lt()
+}
+
 /// The graph.
 #[derive(Debug)]
 pub struct Conflicts {
@@ -86,7 +94,12 @@ impl Conflicts {
     ) -> Result<Self> {
         let n_cells = parts.map(|p| p.grid().n_cells());
         // Rows for the part with fewer cells: they are what the time goes into.
-        let rows_of = if parts[1].allowed().count() < parts[0].allowed().count() { Side::Second } else { Side::First };
+        let n_allowed = parts.map(|p| p.allowed().count());
+        let rows_of = if moves(parts[1].grid(), n_allowed[1], parts[0].grid(), n_allowed[0]) {
+            Side::Second
+        } else {
+            Side::First
+        };
         let (moving, still) = (parts[rows_of.index()], parts[rows_of.other().index()]);
         let seen = if rows_of == Side::First { relative.reversed() } else { relative.clone() };
         let workers = Workers::new(options.n_threads)?;
@@ -213,6 +226,7 @@ impl Conflicts {
 
     /// N(S): cells of the other part that cannot be together with those of `set`, of the part `side`.
     pub fn neighbours(&self, side: Side, set: &Bits) -> Result<Bits> {
+        check_set(self, side, set)?;
         let mut found = Bits::none(self.n_cells(side.other()))?;
         let lists = if side == self.rows_of { &self.rows } else { &self.columns };
         set.iter().for_each(|i| lists.iter(i).for_each(|run| found.insert_range(run)));

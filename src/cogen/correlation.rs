@@ -139,7 +139,10 @@ impl<const D: usize> Correlation<D> {
 
     /// l_{2,1} of (12) for `Side::First`, l_{1,2} of (13) for the other: for the centre of each cell of part `side`, the fraction of the
     /// motion that it is in the other part, of `density`. Into `out`.
+    ///
+    /// Panics where `density` is not as long as the other part's cells are many, or `out` as those of this.
     pub fn local(&self, side: Side, density: &[f64], out: &mut [f64], workers: &Workers) {
+        assert_eq!((density.len(), out.len()), (self.n_cells(side.other()), self.n_cells(side)), "a number a cell");
         let (of, share) = (&self.of[side.index()], 1.0 / self.n_in_period as f64);
         workers.for_each(out.chunks_mut(BLOCK).enumerate(), |(block, out)| {
             for (k, sum) in out.iter_mut().enumerate() {
@@ -184,6 +187,16 @@ impl<const D: usize> Correlation<D> {
     /// (31) and (32): derivatives of g_{2,1} and of g_{1,2}, each by both parts' densities; into `out`, `[measure][part][cell]`.
     pub fn sensitivities(&self, densities: [&[f64]; 2], out: [[&mut [f64]; 2]; 2], workers: &Workers) -> Result<()> {
         self.check(densities)?;
+        for (k, out) in out.iter().flatten().enumerate() {
+            let n = self.allowed[k % 2].len();
+            if out.len() != n {
+                return Err(Error::InvalidArgument(format!(
+                    "room for {} derivatives by part {}'s {n} cells",
+                    out.len(),
+                    k % 2 + 1
+                )));
+            }
+        }
         let [[d21_d1, d21_d2], [d12_d1, d12_d2]] = out;
         self.spread(Side::Second, densities[1], d21_d1, workers)?;
         self.local(Side::Second, densities[0], d21_d2, workers);
@@ -219,6 +232,26 @@ impl<const D: usize> Correlation<D> {
             visitors[ends[i] as usize..ends[i + 1] as usize].iter().for_each(|&j| mark(j as usize));
         };
         Conflicts::of_rows(n, rows_of, row, workers)
+    }
+
+    /// The same without a graph: the cells that the other part's as it may have them give a sensitivity.
+    pub(super) fn meeting(&self, workers: &Workers) -> Result<[Bits; 2]> {
+        let ones = |side: Side| -> Result<Vec<f64>> {
+            let allowed = &self.allowed[side.index()];
+            let mut rho = try_vec(allowed.len(), 0.0, "colliding cells")?;
+            allowed.iter().for_each(|i| rho[i] = 1.0);
+            Ok(rho)
+        };
+        let rho = [ones(Side::First)?, ones(Side::Second)?];
+        let meeting = |side: Side| -> Result<Bits> {
+            let n = self.n_cells(side);
+            let (mut own, mut others) = (try_vec(n, 0.0, "colliding cells")?, try_vec(n, 0.0, "colliding cells")?);
+            let other = &rho[side.other().index()];
+            self.local(side, other, &mut own, workers);
+            self.spread(side.other(), other, &mut others, workers)?;
+            Bits::of(n, |i| own[i] + others[i] > 0.0)
+        };
+        Ok([meeting(Side::First)?, meeting(Side::Second)?])
     }
 
     /// (33) and (34): the cells of each part that collide with the other's cells as both may have them. One direction misses cells; this is

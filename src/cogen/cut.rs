@@ -5,8 +5,8 @@
 //! all cells less flow.
 
 use super::bits::Bits;
-use super::closure::Pair;
-use super::conflict::{Conflicts, Side};
+use super::closure::{Pair, check_room, close};
+use super::conflict::Conflicts;
 use super::flow::Flow;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -14,7 +14,8 @@ use crate::{Error, Result};
 /// The best pair, and the proof.
 #[derive(Debug)]
 pub struct Cut {
-    /// The pair of greatest weight; of several, that with the fewest cells of the part whose cells the rows are of.
+    /// The pair of greatest weight, maximal too; of several, that with the fewest cells of the part whose cells the rows are of, but for cells of
+    /// weight 0.
     pub pair: Pair,
     /// What the pair weighs.
     pub weight: u64,
@@ -26,12 +27,14 @@ pub struct Cut {
 
 /// The pair of greatest weight among those within `room`; `weights` `[n_1]` and `[n_2]`.
 pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progress: &mut Progress<'_>) -> Result<Cut> {
+    check_room(conflicts, room)?;
     let all = weight_of_all(room, weights)?;
     let near = conflicts.rows_of();
     let (near_room, far_room) = (&room[near.index()], &room[near.other().index()]);
     let mut flow = Flow::new(conflicts, near_room, weights[near.index()], far_room, weights[near.other().index()])?;
-    let (kept, other, n_rounds) = flow.solve(near_room, far_room, progress)?;
-    let pair = Pair { cells: if near == Side::First { [kept, other] } else { [other, kept] } };
+    let (kept, _, n_rounds) = flow.solve(near_room, far_room, progress)?;
+    // Cells of weight 0 that are in nobody's way are on either side of the cut.
+    let pair = close(conflicts, room, near, &kept)?;
     let weight = pair.weigh(weights).iter().sum();
     debug_assert_eq!(weight + flow.amount(), all);
     Ok(Cut { pair, weight, flow: flow.amount(), n_rounds })

@@ -12,7 +12,7 @@
 //! Small weights make flows of few units, which are found much faster: where pairs need not come up to the bound, weights are rounded.
 
 use super::bits::Bits;
-use super::closure::{Pair, close};
+use super::closure::{Pair, check_room, close};
 use super::conflict::{Conflicts, Side};
 use super::cut::weight_of_all;
 use super::flow::Flow;
@@ -27,7 +27,7 @@ use crate::{Error, Result};
 pub struct Member {
     /// The gamma that was asked for.
     pub wanted: f64,
-    /// That of the pair.
+    /// That of the pair; NaN where nothing is left of the colliding cells that weighs anything.
     pub gamma: f64,
     /// Weights of what is left of both parts' colliding cells.
     pub volumes: [u64; 2],
@@ -101,8 +101,9 @@ fn rounded(w: [u64; 2]) -> [u64; 2] {
     [a, b]
 }
 
+/// In the middle where nothing is left that weighs anything.
 fn gamma_of(volumes: [u64; 2]) -> f64 {
-    volumes[1] as f64 / (volumes[0] as f64 + volumes[1] as f64)
+    if volumes == [0, 0] { 0.5 } else { volumes[1] as f64 / (volumes[0] as f64 + volumes[1] as f64) }
 }
 
 /// A pair for each of `gammas`, in their order: among the pairs of greatest weight where one comes near to it, else near to those. `weights`
@@ -121,6 +122,7 @@ pub fn family(
     if let Some((i, g)) = gammas.iter().enumerate().find(|(_, g)| !(0.0..=1.0).contains(*g)) {
         return Err(Error::InvalidArgument(format!("gamma {i} is {}; it must be in [0, 1]", number(*g))));
     }
+    check_room(conflicts, room)?;
     let all = weight_of_all(room, weights)?;
     let colliding = |side: Side| -> Result<Bits> {
         let mut cells = conflicts.neighbours(side.other(), &room[side.other().index()])?;
@@ -143,15 +145,27 @@ pub fn family(
     wanted.dedup();
     search.cuts.push([1.0, 0.0, ends[0].volumes[0] as f64]);
     search.cuts.push([0.0, 1.0, ends[1].volumes[1] as f64]);
+    // Where the cells of a part that collide weigh nothing, there is one gamma.
+    if let Some(end) =
+        [(0, 1), (1, 0)].into_iter().find(|(part, _)| ends[*part].volumes[*part] == 0).map(|(_, end)| end)
+    {
+        wanted.iter().for_each(|g| search.put(*g, &ends[end]));
+        wanted.clear();
+    }
     let from = wanted.partition_point(|g| *g <= gamma_of(ends[0].volumes));
     let to = wanted.partition_point(|g| *g < gamma_of(ends[1].volumes)).max(from);
     wanted[..from].iter().for_each(|g| search.put(*g, &ends[0]));
     wanted[to..].iter().for_each(|g| search.put(*g, &ends[1]));
     search.between(&ends[0], &ends[1], &wanted[from..to], progress)?;
     let mut members = Vec::with_capacity(gammas.len());
+    let has_idle = (0..2).any(|k| room[k].iter().any(|i| weights[k][i] == 0));
     for gamma in gammas {
         let mut member = search.found.iter().find(|m| m.wanted == *gamma).expect("each has been put").clone();
         member.bound = search.bound(*gamma);
+        if has_idle {
+            // Cells of weight 0 are on either side of a cut.
+            member.pair = close(conflicts, room, Side::First, &member.pair.cells[0])?;
+        }
         members.push(member);
     }
     Ok(members)
@@ -170,7 +184,8 @@ impl Search<'_> {
 
     fn put(&mut self, wanted: f64, corner: &Corner) {
         let Corner { pair, volumes } = corner.clone();
-        self.found.push(Member { wanted, gamma: gamma_of(volumes), volumes, bound: f64::INFINITY, pair });
+        let gamma = if volumes == [0, 0] { f64::NAN } else { gamma_of(volumes) };
+        self.found.push(Member { wanted, gamma, volumes, bound: f64::INFINITY, pair });
     }
 
     /// Finds pairs for the gammas `wanted`, in order, which lie between those of two corners.
@@ -198,8 +213,8 @@ impl Search<'_> {
         let from = rest.partition_point(|g| *g < gamma_of(least.volumes));
         for (low, high, wanted) in [(low, least, &rest[..from]), (most, high, &rest[from..])] {
             // What comes near enough to the bound as it is known now.
-            let beyond = weigh(w, low).max(weigh(w, high)) == weigh(w, low).min(weigh(w, high));
-            let left = if beyond || low.volumes[0] <= high.volumes[0] || low.volumes[1] >= high.volumes[1] {
+            let is_edge = weigh(w, low) == weigh(w, high);
+            let left = if is_edge || low.volumes[0] <= high.volumes[0] || low.volumes[1] >= high.volumes[1] {
                 self.leap(low, high, wanted, None, progress)?
             } else if self.options.gap == 0.0 {
                 wanted.to_vec()

@@ -69,7 +69,7 @@ pub fn clashes<const D: usize>(
         }
     }
     let grids = parts.map(Part::grid);
-    let steps = if pairs.is_empty() { Vec::new() } else { relative.bounded_steps(LOOK, grids[0], grids[1])? };
+    let steps = if pairs.is_empty() { Vec::new() } else { relative.bounded_steps(LOOK, grids[0], grids[1], 0.0)? };
     Ok(Clashes { n_pairs, found: pairs.into_iter().map(|cells| clash(grids, cells, relative, &steps)).collect() })
 }
 

@@ -3,6 +3,7 @@
 use crate::geometry::Bounds;
 use crate::geometry::vec::{is_finite, number, text};
 use crate::{Error, Result};
+use std::cmp::Ordering;
 
 /// Cells of a grid, at most: their numbers are 32 bits wide, and one is kept for none.
 pub const MOST_CELLS: usize = u32::MAX as usize - 1;
@@ -41,6 +42,13 @@ impl<const D: usize> Grid<D> {
             return Err(Error::InvalidArgument(format!("the grid reaches to {}; that must be finite", text(&far))));
         }
         Ok(Grid { corner, cell, counts })
+    }
+
+    /// An order of grids, by their numbers: of two alike parts it tells one from the other, whichever comes first.
+    pub(super) fn order(&self, other: &Self) -> Ordering {
+        let numbers = |g: &Self| std::iter::once(g.cell).chain(g.corner).collect::<Vec<_>>();
+        let by_numbers = numbers(self).iter().zip(numbers(other)).map(|(a, b)| a.total_cmp(&b)).find(|o| o.is_ne());
+        by_numbers.unwrap_or(self.counts.cmp(&other.counts))
     }
 
     /// The corner with the smallest coordinates.

@@ -84,6 +84,8 @@ struct Variables {
     cells: Vec<u32>,
     /// eps^D
     measure: f64,
+    /// Area or volume of the colliding cells that are kept whatever happens.
+    frozen: f64,
 }
 
 /// Runs Algorithm 1, and closes what it gives.
@@ -95,12 +97,14 @@ pub fn optimise<const D: usize>(
 ) -> Result<Optimised> {
     let Design { correlation, conflicts, room, frozen } = *design;
     options.check()?;
-    let colliding = correlation.colliding(&correlation.conflicts(workers)?)?;
+    let colliding = correlation.meeting(workers)?;
     let variables = [Side::First, Side::Second].map(|side| -> Result<Variables> {
         let k = side.index();
         let mut cells = try_with_capacity(colliding[k].count(), "densities")?;
         cells.extend(colliding[k].iter().filter(|&i| room[k].has(i) && !frozen[k].has(i)).map(|i| i as u32));
-        Ok(Variables { cells, measure: correlation.measure(side) })
+        let measure = correlation.measure(side);
+        let n_frozen = colliding[k].iter().filter(|&i| room[k].has(i) && frozen[k].has(i)).count();
+        Ok(Variables { cells, measure, frozen: n_frozen as f64 * measure })
     });
     let [one, two] = variables;
     let variables = [one?, two?];
@@ -225,8 +229,8 @@ impl<'a, const D: usize> State<'a, D> {
         let first = *self.first.get_or_insert(measures);
         let n_first = self.variables[0].cells.len();
         let (x1, x2) = self.x.split_at(n_first);
-        let volumes =
-            [x1.iter().sum::<f64>() * self.variables[0].measure, x2.iter().sum::<f64>() * self.variables[1].measure];
+        let volume = |x: &[f64], v: &Variables| x.iter().sum::<f64>() * v.measure + v.frozen;
+        let volumes = [volume(x1, &self.variables[0]), volume(x2, &self.variables[1])];
         let of = |g: f64, g0: f64| if g0 > 0.0 { g / g0 } else { 0.0 };
         let ratio = (self.options.gamma * volumes[0] - (1.0 - self.options.gamma) * volumes[1])
             / self.volume.max(f64::MIN_POSITIVE);

@@ -45,7 +45,7 @@ impl<const D: usize> Swathes<D> {
             let text = format!("a clearance of {}; it must be 0 or more, and finite", number(clearance));
             return Err(Error::InvalidArgument(text));
         }
-        let steps = relative.bounded_steps(sampling, still, moving)?;
+        let steps = relative.bounded_steps(sampling, still, moving, clearance)?;
         let steps = if D == 2 {
             OfDimension::Plane(ready(&steps, still, moving, clearance)?)
         } else {

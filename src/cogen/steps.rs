@@ -97,9 +97,16 @@ impl<const D: usize> Relative<D> {
         Ok(steps)
     }
 
-    /// Steps that no jump of velocities lies in, with bounds for points of the grid `moving` in that of `still`: of one period.
-    pub fn bounded_steps(&self, sampling: Sampling, still: &Grid<D>, moving: &Grid<D>) -> Result<Vec<Step<D>>> {
-        self.bounded_steps_of(self.n_periods(), sampling, still, moving)
+    /// Steps that no jump of velocities lies in, with bounds for points of the grid `moving` in that of `still` or within `clearance` of it: of
+    /// one period.
+    pub fn bounded_steps(
+        &self,
+        sampling: Sampling,
+        still: &Grid<D>,
+        moving: &Grid<D>,
+        clearance: f64,
+    ) -> Result<Vec<Step<D>>> {
+        self.bounded_steps_of(self.n_periods(), sampling, [still, moving], clearance)
     }
 
     /// The same for the first of `n` equal pieces of the motion, which are alike and have no jumps if there are several.
@@ -107,8 +114,8 @@ impl<const D: usize> Relative<D> {
         &self,
         n: usize,
         sampling: Sampling,
-        still: &Grid<D>,
-        moving: &Grid<D>,
+        grids: [&Grid<D>; 2],
+        clearance: f64,
     ) -> Result<Vec<Step<D>>> {
         let sampling = match sampling {
             // As many in each piece.
@@ -124,7 +131,7 @@ impl<const D: usize> Relative<D> {
         let mut steps = Vec::new();
         for pair in knots.windows(2) {
             let (from, length) = (pair[0], pair[1] - pair[0]);
-            let n = self.steps_between(from, length, sampling, still, moving)?;
+            let n = self.steps_between([from, length], sampling, grids, clearance)?;
             if steps.len() + n > MOST_STEPS {
                 return Err(Error::InvalidArgument(format!(
                     "the motion takes more than {MOST_STEPS} steps at {sampling:?}; is it as fast as it should be?"
@@ -134,7 +141,7 @@ impl<const D: usize> Relative<D> {
             try_reserve(&mut steps, n, "steps of time")?;
             for k in 0..n {
                 let time = from + (2 * k + 1) as f64 * half;
-                let acceleration = self.acceleration(time, half, still, moving);
+                let acceleration = self.acceleration(time, half, grids, clearance);
                 steps.push(self.step(time, half, 0.5 * acceleration * half * half)?);
             }
         }
@@ -155,16 +162,16 @@ impl<const D: usize> Relative<D> {
         Ok(Step { time, half, pose, twist, bend })
     }
 
-    /// Steps that the time from `from` on is cut into.
+    /// Steps that a time is cut into, by where it begins and how long it is.
     fn steps_between(
         &self,
-        from: f64,
-        length: f64,
+        [from, length]: [f64; 2],
         sampling: Sampling,
-        still: &Grid<D>,
-        moving: &Grid<D>,
+        [still, moving]: [&Grid<D>; 2],
+        clearance: f64,
     ) -> Result<usize> {
         match sampling {
+            Sampling::Steps(0) => Err(Error::InvalidArgument(format!("0 steps of time; it must be 1 to {MOST_STEPS}"))),
             Sampling::Steps(n) => Ok(((n as f64 * length).round() as usize).max(1)),
             Sampling::Slack(part) => {
                 if !(part > 0.0 && part.is_finite()) {
@@ -174,7 +181,7 @@ impl<const D: usize> Relative<D> {
                 // Rates are looked at here and there: how fine steps are is a matter of taste, bounds are not.
                 let looks = (0..LOOKS).map(|k| {
                     let t = from + length * (k as f64 + 0.5) / LOOKS as f64;
-                    (self.twist(t).rate(), self.acceleration(t, 0.0, still, moving))
+                    (self.twist(t).rate(), self.acceleration(t, 0.0, [still, moving], clearance))
                 });
                 let (turn, bend) = looks.fold((0.0_f64, 0.0_f64), |(w, a), (rate, bend)| (w.max(rate), a.max(bend)));
                 // rho turn h + bend h^2 / 2 = slack
@@ -186,14 +193,14 @@ impl<const D: usize> Relative<D> {
         }
     }
 
-    /// Bound of |p''| for points of `moving` within `half` of `t`, on their way to or from where they are in the grid `still`.
-    fn acceleration(&self, t: f64, half: f64, still: &Grid<D>, moving: &Grid<D>) -> f64 {
+    /// Bound of |p''| for points of `moving` within `half` of `t`, on their way to or from where they are within `clearance` of the grid `still`.
+    fn acceleration(&self, t: f64, half: f64, [still, moving]: [&Grid<D>; 2], clearance: f64) -> f64 {
         let (one, two) = (self.from.bound(t, half), self.of.bound(t, half));
         let r2 = reach(&self.of.at(t), &two, moving, half);
         let speed2 = two.drift + two.turn * r2;
-        // P is a point of part 2. When it is in a cell of part 1 it is in that part's grid; until then it is farther from there by what it goes
-        // in half a step, m = half (speed_1 + speed_2), with speed_1 at r_1 + m.
-        let in_grid = reach(&self.from.at(t), &one, still, half);
+        // P is a point of part 2. When it comes near a cell of part 1 it is within the clearance of that part's grid; until then it is farther
+        // from there by what it goes in half a step, m = half (speed_1 + speed_2), with speed_1 at r_1 + m.
+        let in_grid = reach(&self.from.at(t), &one, still, half) + clearance;
         let way = half * (one.drift + one.turn * in_grid + speed2);
         let by_grid = if half * one.turn < 1.0 { in_grid + way / (1.0 - half * one.turn) } else { f64::INFINITY };
         let r1 = by_grid.min(r2 + norm(sub(one.about, two.about)));
@@ -238,7 +245,7 @@ mod tests {
         let relative = relative();
         let still = Grid::new([-1.0, -1.5, -0.5], 0.1, [20, 30, 10]).unwrap();
         let moving = Grid::new([-0.5; 3], 0.05, [20; 3]).unwrap();
-        let steps = relative.bounded_steps(Sampling::Slack(slack), &still, &moving).unwrap();
+        let steps = relative.bounded_steps(Sampling::Slack(slack), &still, &moving, 0.0).unwrap();
         assert!(steps.len() >= least, "{}", steps.len());
         let end = steps.iter().fold(0.0, |end, s: &Step<3>| {
             assert!((s.time - s.half - end).abs() < 1e-12);
@@ -263,6 +270,51 @@ mod tests {
             }
         }
         assert!(n > 300 && used > 0.02, "{slack}: {n} {used}");
+    }
+
+    /// The largest deviation from the straight way of the moving grid's corners, of those that are in the other grid, over the step's bend.
+    fn bend_that_is_used(relative: &Relative<2>, still: &Grid<2>, moving: &Grid<2>) -> f64 {
+        let steps = relative.bounded_steps(Sampling::Steps(200), still, moving, 0.0).unwrap();
+        let mut used = 0.0_f64;
+        for step in &steps {
+            for q in moving.corners() {
+                let p = step.pose.apply(q);
+                for side in [-1.0, 1.0] {
+                    let then = relative.at(step.time + side * step.half).apply(q);
+                    let bounds = still.bounds();
+                    if (0..2).all(|a| (bounds.min[a]..=bounds.max[a]).contains(&then[a])) {
+                        let straight = add(p, scale(side * step.half, step.twist.at(p)));
+                        used = used.max(norm(sub(then, straight)) / step.bend);
+                    }
+                }
+            }
+        }
+        used
+    }
+
+    #[test]
+    fn bounds_are_reached_where_one_motion_has_all_of_it() {
+        let wide = Grid::new([-1.0; 2], 0.1, [20; 2]).unwrap();
+        let small = Grid::new([0.9, -0.1], 0.1, [1, 2]).unwrap();
+        let turn = Motion::turn([0.0; 2], Law::even(2.0)).unwrap();
+        let wave = Law { waves: vec![Wave { amplitude: 0.04, cycles: 1.0, phase: 0.0 }], ..Law::default() };
+        let sway = Motion::turn([0.0; 2], wave.clone()).unwrap();
+        let slide = Motion::slide([1.0, 0.0], wave).unwrap();
+        let still = Motion::fixed;
+        for (i, (from, of)) in [
+            (still(), turn.clone()),
+            (turn, still()),
+            (still(), sway.clone()),
+            (sway, still()),
+            (still(), slide.clone()),
+            (slide, still()),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let used = bend_that_is_used(&Relative { from, of }, &wide, &small);
+            assert!(used > 0.8 && used < 1.0 + 1e-6, "{i}: {used}");
+        }
     }
 
     #[test]

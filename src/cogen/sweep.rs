@@ -6,15 +6,16 @@
 //! latch of figure 2 stays in its enclosure and keeps off its pin. (2) writes the pin's unsweep with S_P where its complement is meant, as in (1).
 
 use super::bits::{Bits, Marks};
+use super::conflict::moves;
 use super::grid::Grid;
 use super::parcels::each_block;
 use super::part::Part;
 use super::separation::Swathes;
 use super::steps::{Relative, Sampling};
-use crate::Result;
 use crate::isa::{Isa, Kernel, dispatch};
 use crate::par::Workers;
 use crate::progress::Progress;
+use crate::{Error, Result};
 use std::ops::Range;
 
 /// What a part has to do with a body's cells.
@@ -51,10 +52,21 @@ pub fn sweep<const D: usize>(
     workers: &Workers,
     progress: &mut Progress<'_>,
 ) -> Result<Bits> {
-    let swathes = Swathes::new(relative, sampling, still, moving, 0.0)?;
+    check_cells(moving, cells)?;
+    swept_by(&Swathes::new(relative, sampling, still, moving, 0.0)?, moving, cells, still, workers, progress)
+}
+
+fn swept_by<const D: usize>(
+    swathes: &Swathes<D>,
+    moving: &Grid<D>,
+    cells: &Bits,
+    still: &Grid<D>,
+    workers: &Workers,
+    progress: &mut Progress<'_>,
+) -> Result<Bits> {
     let all = Bits::all(still.n_cells())?;
     let mut swept = Bits::none(still.n_cells())?;
-    let make = |block| dispatch(Swept { swathes: &swathes, moving, cells, all: &all, block });
+    let make = |block| dispatch(Swept { swathes, moving, cells, all: &all, block });
     each_block(moving.n_cells(), workers, progress, "sweep", make, |found| {
         swept.unite(&found);
         Ok(())
@@ -72,6 +84,7 @@ pub fn unsweep<const D: usize>(
 ) -> Result<Bits> {
     let mut kept = part.allowed().clone();
     for body in bodies {
+        check_cells(&body.grid, body.cells)?;
         // What must not be overlapped; around an enclosure a layer of cells more, which nothing gets out without passing.
         let (grid, forbidden) = match body.rule {
             Rule::Avoid => (body.grid, body.cells.clone()),
@@ -89,6 +102,12 @@ pub fn unsweep<const D: usize>(
             let out: Vec<usize> = kept.iter().filter(|&i| is_out(i)).collect();
             out.into_iter().for_each(|i| kept.remove(i));
         }
+        if body.rule == Rule::Avoid && moves(&grid, forbidden.count(), moving, part.allowed().count()) {
+            // Seen from the part, as a graph would have it.
+            let swathes = Swathes::new(&body.relative.reversed(), sampling, moving, &grid, body.clearance)?;
+            kept.subtract(&swept_by(&swathes, &grid, &forbidden, moving, workers, progress)?);
+            continue;
+        }
         let swathes = Swathes::new(&body.relative, sampling, &grid, moving, body.clearance)?;
         let tested = kept.clone();
         let make =
@@ -99,6 +118,13 @@ pub fn unsweep<const D: usize>(
         })?;
     }
     Ok(kept)
+}
+
+fn check_cells<const D: usize>(grid: &Grid<D>, cells: &Bits) -> Result<()> {
+    if cells.len() == grid.n_cells() {
+        return Ok(());
+    }
+    Err(Error::InvalidArgument(format!("a set among {} cells; the grid has {}", cells.len(), grid.n_cells())))
 }
 
 /// The complement of `cells` in their grid, with a layer of cells more on each side.

@@ -171,6 +171,75 @@ fn touching_is_no_overlap() {
     }
 }
 
+/// Part 1 turns about a corner of its four cells; part 2 is one small cell at (r, 0) that stays. No clearance above the least gap between them
+/// may be taken to be kept, however coarse the steps and however far away part 2 is.
+#[test]
+fn no_clearance_above_the_least_gap_is_kept() {
+    for (r, sampling) in [
+        (1.0, Sampling::Slack(0.05)),
+        (10.0, Sampling::Slack(0.05)),
+        (1.0, Sampling::Slack(1.0)),
+        (0.3, Sampling::Slack(1.0)),
+        (1.0, Sampling::Steps(7)),
+    ] {
+        let turn = Motion::<2>::turn([0.0; 2], Law::even(6.0)).unwrap();
+        let square = Part::whole(Grid::new([-0.1, -0.1], 0.1, [2, 2]).unwrap()).unwrap();
+        let small = Part::whole(Grid::new([r, -0.005], 0.01, [1, 1]).unwrap()).unwrap();
+        // The square's corner is sqrt(2) 0.1 from its middle, and turns past the small cell's side.
+        let gap = (0..200_000)
+            .map(|k| {
+                let pose = turn.at(f64::from(k) / 200_000.0);
+                let corners = square.grid().corners().map(|p| pose.apply(p));
+                corners.map(|[x, y]| norm([r - x, (y.abs() - 0.005).max(0.0)])).fold(f64::INFINITY, f64::min)
+            })
+            .fold(f64::INFINITY, f64::min);
+        for relative in
+            [Relative { from: turn.clone(), of: Motion::fixed() }, Relative { from: Motion::fixed(), of: turn.clone() }]
+        {
+            let first_moves = relative.from.at(0.1) != Motion::<2>::fixed().at(0.1);
+            let parts = if first_moves { [&square, &small] } else { [&small, &square] };
+            let keeps = |clearance: f64| {
+                let options = OverlapOptions { sampling, clearance, ..OverlapOptions::default() };
+                Conflicts::of_overlap(parts, &relative, &options, &mut Progress::silent()).unwrap().n_edges() == 0
+            };
+            let (mut kept, mut lost) = (0.0, 2.0 * r);
+            for _ in 0..40 {
+                let middle = 0.5 * (kept + lost);
+                *(if keeps(middle) { &mut kept } else { &mut lost }) = middle;
+            }
+            assert!(kept <= gap * (1.0 + 1e-8), "{r} {sampling:?}: {kept} is kept, {gap} is the gap");
+            if sampling == Sampling::Slack(0.05) {
+                assert!(kept > gap - 0.02, "{r}: {kept} is kept, {gap} is the gap");
+            }
+        }
+    }
+}
+
+#[test]
+fn cells_without_weight_are_kept_where_they_are_in_nobodys_way() {
+    let mut random = SplitMix64::new(31);
+    for _ in 0..1000 {
+        let conflicts = random_graph(&mut random, 10);
+        let table = table(&conflicts);
+        let n = SIDES.map(|s| conflicts.n_cells(s));
+        let room = n.map(|n| Bits::all(n).unwrap());
+        let mut weight = || if random.unit() < 0.4 { 0 } else { random.bits() % 200 };
+        let weights: [Vec<u64>; 2] = n.map(|n| (0..n).map(|_| weight()).collect());
+        let weights = [&weights[0][..], &weights[1][..]];
+        let cut = cut(&conflicts, &room, weights, &mut Progress::silent()).unwrap();
+        assert!(is_free(&table, &cut.pair) && is_maximal(&table, &cut.pair));
+        for gap in [0.0, 0.005] {
+            let gammas = [0.0, 0.3, 0.5, 0.9, 1.0];
+            let options = FamilyOptions { gap };
+            let members = family(&conflicts, &room, weights, &gammas, &options, &mut Progress::silent()).unwrap();
+            for member in &members {
+                assert!(is_free(&table, &member.pair) && is_maximal(&table, &member.pair));
+                assert!(member.gamma.is_nan() == (member.volumes == [0, 0]));
+            }
+        }
+    }
+}
+
 #[test]
 fn clearance_is_kept() {
     let mut random = SplitMix64::new(9);
@@ -210,6 +279,13 @@ pub(super) fn random_graph(random: &mut SplitMix64, most: usize) -> Conflicts {
 
 fn is_free(table: &[Vec<bool>], pair: &Pair) -> bool {
     pair.cells[0].iter().all(|i| pair.cells[1].iter().all(|j| !table[i][j]))
+}
+
+/// Whether each cell that is left out, of all there are, conflicts with one that is kept.
+fn is_maximal(table: &[Vec<bool>], pair: &Pair) -> bool {
+    let (n1, n2) = (pair.cells[0].len(), pair.cells[1].len());
+    (0..n1).all(|i| pair.cells[0].has(i) || pair.cells[1].iter().any(|j| table[i][j]))
+        && (0..n2).all(|j| pair.cells[1].has(j) || pair.cells[0].iter().any(|i| table[i][j]))
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn one_period_has_the_conflicts_of_the_whole() {
     let (parts, [known, unknown]) = cam();
     assert_eq!((known.n_periods(), unknown.n_periods()), (3, 1));
     let grids = parts.each_ref().map(Part::grid);
-    let steps = |r: &Relative<2>, s| r.bounded_steps(s, grids[0], grids[1]).unwrap();
+    let steps = |r: &Relative<2>, s| r.bounded_steps(s, grids[0], grids[1], 0.0).unwrap();
     // 100 steps are no three times as many: there are more then.
     assert_eq!((steps(&known, Sampling::Steps(100)).len(), steps(&unknown, Sampling::Steps(102)).len()), (34, 102));
     let of_slack = steps(&known, Sampling::Slack(0.05));
