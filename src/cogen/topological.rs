@@ -3,7 +3,7 @@
 //! How a measure changes as a small piece is put to a part at x, (B.1), or taken from it, (B.2), by the piece's area or volume. With pieces of
 //! a cell's size around cells' centres, and densities as fractions of a cell, these are the changes themselves, g being linear in each density:
 //!
-//!   D^+ g [i] = (1 - rho_i) dg/drho_i / eps^D,   D^- g [i] = rho_i dg/drho_i / eps^D.
+//!   D^+ g_i = (1 - rho_i) dg/drho_i / eps^D,   D^- g_i = rho_i dg/drho_i / eps^D.
 //!
 //! Where a part fills a cell there is nothing to put, where it is not there is nothing to take: D^+ is 0 inside, D^- outside, as below (B.2). The
 //! other of both is what (B.5), (B.6) and (B.12) tend to: the fraction of the motion that x is in the other part. In cells that the surface
