@@ -1889,8 +1889,9 @@ int32_t ko_certify_options_init(struct ko_certify_options *options, size_t struc
  * off it as a whole. To exclude that the body swallowed one, test the points of `ko_mesh_copy_component_points` against the body: once
  * each of them is outside it, all of the body is on the feasible side and farther than d from the shape. An aggregate that is at most
  * the least phi, KS(min) say, serves for phi at the samples. Values of `ko_constraints` are s phi, s the scale of the field's frame: the
- * test is value >= s t then; and d and r count in the field's frame, where lengths of the world are 1 / s times as long. What a pose rounds
- * is the caller's to add to r: some 1e-15 of the coordinates.
+ * test is value >= s t then; and d and r count in the field's frame, where lengths of the world are 1 / s times as long. A body in a frame of
+ * scale b has its samples b times as far apart, so r is b / s times its covering radius, with the largest b and the least s that there may
+ * be where scales are free. What a pose rounds is the caller's to add to r: some 1e-15 of the coordinates.
  *
  * t comes from a search by boxes, split where phi is large, with phi between its Bezier points on each and exact distances to the mesh;
  * what rounding can do is added. The mesh bounds a solid where every edge is run through as often one way as the other and the volume is
@@ -1996,7 +1997,7 @@ int32_t ko_body_get_dim(const struct ko_body *body, uint32_t *dim);
 int32_t ko_body_get_size(const struct ko_body *body, size_t *n_points);
 
 /**
- * Tells the body's covering radius; 0 where it is not known. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+ * Tells the body's covering radius in its own unit of length: in a frame of scale s it is s times that. 0 where it is not known. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
  */
 int32_t ko_body_get_covering_radius(const struct ko_body *body,
                                     double *covering_radius);

@@ -151,9 +151,11 @@ public:
             residual = std::max(residual, held[k] ? 0 : std::fabs(gradient[k]));
         for (std::size_t i = 0; i < g.size(); ++i) {
             residual = std::max({residual, lower_[i] - g[i], g[i] - upper_[i]});
-            if (upper_[i] < unbounded)
+            if (lower_[i] == upper_[i])
                 continue; // an equation: its multiplier is free
-            residual = std::max({residual, multipliers[i], std::fabs(multipliers[i] * (g[i] - lower_[i]))});
+            // Above 0 it holds g at its upper limit, below 0 at its lower one.
+            const double m = multipliers[i], limit = m > 0 ? upper_[i] : lower_[i];
+            residual = std::max(residual, std::fabs(limit) < unbounded ? std::fabs(m * (g[i] - limit)) : std::fabs(m));
         }
         return residual;
     }

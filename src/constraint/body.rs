@@ -130,12 +130,20 @@ fn check_pieces<const D: usize>(mesh: &Mesh<D>, covering_radius: f64, longest: f
     const MOST_PIECES: f64 = 2.0 * MOST_POINTS as f64;
     let by_square = 3.0f64.sqrt() / 4.0;
     let size = (0..mesh.facets().len()).map(|f| norm(mesh.area_normal(f)) / (D - 1) as f64).sum::<f64>();
-    let pieces = if D == 2 { size / longest } else { size / longest / longest / by_square };
+    // An edge of the longest is cut up whatever the area beside it.
+    let edges = (0..mesh.facets().len()).map(|f| {
+        let corners = mesh.corners(f);
+        let [a, b] = longest_edge(&corners);
+        norm(sub(corners[a], corners[b]))
+    });
+    let length = edges.sum::<f64>();
+    let by_area = if D == 2 { 0.0 } else { size / longest / longest / by_square };
+    let pieces = by_area.max(length / longest);
     // A NaN is of coordinates too large.
     if pieces <= MOST_PIECES {
         return Ok(());
     }
-    let fitting = if D == 2 { size / MOST_PIECES } else { (size / MOST_PIECES / by_square).sqrt() };
+    let fitting = if D == 2 { 0.0 } else { (size / MOST_PIECES / by_square).sqrt() }.max(length / MOST_PIECES);
     let (radius, pieces) = (number(covering_radius), number(pieces.ceil()));
     let smallest = number(covering_radius * (fitting / longest));
     Err(Error::InvalidArgument(format!(

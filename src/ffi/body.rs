@@ -103,7 +103,7 @@ pub unsafe extern "C" fn ko_body_get_size(body: *const ko_body, n_points: *mut u
     })
 }
 
-/// Tells the body's covering radius; 0 where it is not known. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
+/// Tells the body's covering radius in its own unit of length: in a frame of scale s it is s times that. 0 where it is not known. Errors: KO_ERR_INVALID_ARGUMENT for NULL. Threads: any. Cost: none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_body_get_covering_radius(body: *const ko_body, covering_radius: *mut f64) -> i32 {
     guard(|| {

@@ -103,6 +103,19 @@ impl<const D: usize> Cloud<D> {
         self.points.iter().enumerate().filter(move |(i, _)| counts(*i)).map(|(_, p)| p)
     }
 
+    /// The points that count, or all of them, without origins: a copy that memory may be short of.
+    pub(crate) fn copy_of_counted(&self) -> Result<Self> {
+        if let Some(counted) = self.counted()? {
+            return Ok(counted);
+        }
+        let copy = |of: &[[f64; D]]| -> Result<Vec<[f64; D]>> {
+            let mut made = try_with_capacity(of.len(), "the copy of a cloud")?;
+            made.extend_from_slice(of);
+            Ok(made)
+        };
+        Ok(Cloud { points: copy(&self.points)?, normals: copy(&self.normals)?, origins: None, weights: None })
+    }
+
     /// The points that count, without origins; `None` where all do.
     pub(crate) fn counted(&self) -> Result<Option<Self>> {
         let Some(weights) = self.weights.as_ref().filter(|w| w.contains(&0.0)) else { return Ok(None) };

@@ -60,7 +60,7 @@ impl<const D: usize> Explicit<D> {
     /// The formulation of the points of `cloud` that count; their weights say no more than whether they do.
     pub fn new(cloud: &Cloud<D>, options: &ExplicitOptions) -> Result<Self> {
         options.validate()?;
-        let cloud = cloud.counted()?.unwrap_or_else(|| cloud.clone());
+        let cloud = cloud.copy_of_counted()?;
         let (center, diagonal) = (cloud.bounds().center(), cloud.bounds().diagonal());
         if !DIAGONALS.contains(&diagonal) {
             let text = format!("the diagonal of the cloud's box is {diagonal}; it must lie in [1e-90, 1e90]");
