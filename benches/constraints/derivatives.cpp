@@ -1,4 +1,5 @@
-// Jacobians and Hessians against central differences, over random configurations of bodies and fields that move.
+// Jacobians, their products and Hessians against central differences, over random configurations of bodies, points and fields that move; of
+// aggregates of plain values, and gradients of the formulations to compare with.
 // SPDX-License-Identifier: Apache-2.0 OR MIT
 #include "subjects.hpp"
 
@@ -74,9 +75,26 @@ double largest(const std::vector<double> &v) {
 
 struct Worst {
     double gradient = 0, hessian = 0;
+    double products = 0;  // J v and J^T w, off sums over the dense Jacobian
 };
 
-// The largest difference of each, over the largest entry.
+double products_off(const Constraints &set, const std::vector<double> &x, const std::vector<double> &jacobian, std::vector<double> w,
+                    Uniform &uniform) {
+    const std::size_t n = x.size(), m = w.size();
+    std::vector<double> v(n), along(m), back(n);
+    for (double &k : v) k = 2 * uniform() - 1;
+    check(ko_constraints_jacobian_times(set.get(), x.data(), v.data(), n, m, along.data()), "ko_constraints_jacobian_times");
+    check(ko_constraints_transposed_jacobian_times(set.get(), x.data(), n, w.data(), m, back.data()),
+          "ko_constraints_transposed_jacobian_times");
+    for (std::size_t row = 0; row < m; ++row)
+        for (std::size_t k = 0; k < n; ++k) {
+            along[row] -= jacobian[row * n + k] * v[k];
+            back[k] -= jacobian[row * n + k] * w[row];
+        }
+    return std::max(largest(along), largest(back));
+}
+
+// The largest difference of each, over the largest entry, or over 1 where that is less.
 Worst compare(const Constraints &set, const std::vector<double> &x, Uniform &uniform) {
     const std::size_t n = x.size(), m = sizes_of(set).values;
     std::vector<double> lambda(m);
@@ -104,6 +122,7 @@ Worst compare(const Constraints &set, const std::vector<double> &x, Uniform &uni
         for (std::size_t l = 0; l < n; ++l)
             worst.hessian = std::max(worst.hessian, std::abs((g_up[l] - g_down[l]) / (2 * h) - hessian[k * n + l]));
     }
+    worst.products = products_off(set, x, jacobian, lambda, uniform) / std::max(1.0, largest(jacobian));
     worst.gradient /= std::max(1.0, largest(jacobian));
     worst.hessian /= std::max(1.0, largest(hessian));
     return worst;
@@ -112,6 +131,90 @@ Worst compare(const Constraints &set, const std::vector<double> &x, Uniform &uni
 void take_in(Worst &worst, const Worst &found) {
     worst.gradient = std::max(worst.gradient, found.gradient);
     worst.hessian = std::max(worst.hessian, found.hessian);
+    worst.products = std::max(worst.products, found.products);
+}
+
+// ko_aggregate of up to six values.
+Worst compare_aggregate(const ko_aggregation &of, std::int32_t extreme, Uniform &uniform) {
+    const std::size_t n = 1 + static_cast<std::size_t>(6 * uniform());
+    std::vector<double> values(n), gradient(n), hessian(n * (n + 1) / 2), off(n * (n + 1) / 2);
+    for (double &v : values) v = 2 * uniform() - 1;
+    const auto at = [&](std::size_t k, double by, std::vector<double> &gradient) {
+        std::vector<double> moved = values;
+        moved[k] += by;
+        double value = 0;
+        check(ko_aggregate(&of, extreme, 0.7, moved.data(), n, &value, gradient.data(), nullptr), "ko_aggregate");
+        return value;
+    };
+    double value = 0;
+    check(ko_aggregate(&of, extreme, 0.7, values.data(), n, &value, gradient.data(), hessian.data()), "ko_aggregate");
+    Worst worst;
+    std::vector<double> up(n), down(n);
+    for (std::size_t k = 0; k < n; ++k) {
+        const double slope = (at(k, STEP, up) - at(k, -STEP, down)) / (2 * STEP);
+        worst.gradient = std::max(worst.gradient, std::abs(slope - gradient[k]));
+        at(k, STEP_OF_GRADIENTS, up);
+        at(k, -STEP_OF_GRADIENTS, down);
+        for (std::size_t l = 0; l <= k; ++l) {
+            const double second = (up[l] - down[l]) / (2 * STEP_OF_GRADIENTS);
+            worst.hessian = std::max(worst.hessian, std::abs(second - hessian[k * (k + 1) / 2 + l]));
+        }
+    }
+    worst.gradient /= std::max(1.0, largest(gradient));
+    worst.hessian /= std::max(1.0, largest(hessian));
+    return worst;
+}
+
+// The formulations to compare with that are smooth over all points, of random clouds, at random points.
+void compare_formulations(std::uint32_t dim, Uniform &uniform) {
+    const struct {
+        const char *name;
+        std::int32_t kind;
+    } formulations[] = {{"hicken_kaur_linear", KO_EXPLICIT_HICKEN_KAUR_LINEAR},
+                        {"hicken_kaur_quadratic", KO_EXPLICIT_HICKEN_KAUR_QUADRATIC},
+                        {"lin", KO_EXPLICIT_LIN}};
+    const std::size_t n = 60, n_places = 20;
+    for (const auto &formulation : formulations) {
+        double worst = 0;
+        for (int i = 0; i < CONFIGURATIONS / 2 / static_cast<int>(n_places); ++i) {
+            std::vector<double> points(dim * n), normals(dim * n), x(dim * n_places);
+            // Around a ball, uneven by a tenth, so that the quadratic formula finds curvatures that are a shape's.
+            for (std::size_t p = 0; p < n; ++p) {
+                double squared = 0;
+                for (std::uint32_t a = 0; a < dim; ++a) squared += std::pow(normals[dim * p + a] = 2 * uniform() - 1, 2);
+                const double radius = (0.95 + 0.1 * uniform()) / std::sqrt(squared);
+                for (std::uint32_t a = 0; a < dim; ++a) points[dim * p + a] = radius * normals[dim * p + a];
+            }
+            for (double &at : x) at = 3 * uniform() - 1.5;
+            const Cloud cloud = cloud_from(dim, points, normals);
+            ko_explicit_options options;
+            check(ko_explicit_options_init(&options, sizeof options), "ko_explicit_options_init");
+            options.formulation = formulation.kind;
+            options.smoothing = 5 + 20 * uniform();
+            ko_explicit *made = nullptr;
+            check(ko_explicit_create(cloud.get(), &options, &made), "ko_explicit_create");
+            const Explicit formula(made);
+            std::vector<double> values(n_places), gradients(dim * n_places), up(n_places), down(n_places);
+            const auto eval = [&](const std::vector<double> &x, std::vector<double> &values, double *gradients) {
+                check(ko_explicit_eval(formula.get(), x.data(), n_places, values.data(), gradients), "ko_explicit_eval");
+            };
+            eval(x, values, gradients.data());
+            for (std::uint32_t a = 0; a < dim; ++a) {
+                const auto moved = [&](double by) {
+                    std::vector<double> to = x;
+                    for (std::size_t p = 0; p < n_places; ++p) to[dim * p + a] += by;
+                    return to;
+                };
+                eval(moved(STEP), up, nullptr);
+                eval(moved(-STEP), down, nullptr);
+                for (std::size_t p = 0; p < n_places; ++p) {
+                    const double slope = (up[p] - down[p]) / (2 * STEP);
+                    worst = std::max(worst, std::abs(slope - gradients[dim * p + a]) / std::max(1.0, largest(gradients)));
+                }
+            }
+        }
+        print("derivatives_" + std::to_string(dim) + "d_" + formulation.name + "_gradient_error", worst);
+    }
 }
 
 }  // namespace
@@ -124,7 +227,7 @@ void derivatives(const Data &) {
         std::vector<Field> fields;
         for (int i = 0; i < 20; ++i) fields.push_back(made_up_field(dim, uniform));
         const std::vector<Pose> poses = poses_of(dim);
-        Worst of_kind[4], of_combination[4];
+        Worst of_kind[4], of_combination[4], of_aggregate;
         for (int i = 0; i < CONFIGURATIONS / 2; ++i) {
             const Pose &a = poses[i % poses.size()], &b = poses[i / poses.size() % poses.size()];
             const Constraints set = constraints_of(dim);
@@ -135,13 +238,22 @@ void derivatives(const Data &) {
             keep(set, body, frames[0], fields[i % 20], frames[1], of);
             keep(set, body, frames[1], fields[(i + 7) % 20], frames[0], of);
             keep(set, body, frames[0], fields[(i + 3) % 20], KO_WORLD, of);
+            // Points that are variables, in a field that moves.
+            const std::size_t n_points = 1 + i % 3;
+            std::uint32_t points = 0;
+            check(ko_constraints_add_points(set.get(), n_points, &points), "ko_constraints_add_points");
+            check(ko_constraints_keep_points(set.get(), points, fields[(i + 11) % 20].get(), frames[i % 2], &of, nullptr),
+                  "ko_constraints_keep_points");
             std::vector<double> x;
             add_parameters(dim, a, uniform, x);
             add_parameters(dim, b, uniform, x);
+            const std::vector<double> places_of_points = body_points(dim, n_points, others);
+            x.insert(x.end(), places_of_points.begin(), places_of_points.end());
             // One in ten where a frame stands still in the world, so that points lie on the faces of the box.
             if (i % 10 == 0) std::fill(x.begin(), x.begin() + dim, 0.0);
             const Worst found = compare(set, x, uniform);
             take_in(of_kind[kind], found);
+            if (kind > 0) take_in(of_aggregate, compare_aggregate(of, i % 2 ? KO_LARGEST : KO_LEAST, others));
             // The union or the intersection of two or three fields, by another kind.
             if (i % 5 != 0) continue;
             const int by = 1 + i / 5 % 3;
@@ -151,16 +263,21 @@ void derivatives(const Data &) {
             const Constraints combined = constraints_of(dim);
             const std::uint32_t places[] = {add_frame(combined, a.rotation, a.scale), add_frame(combined, b.rotation, b.scale)};
             keep_in_fields(combined, body, places[0], several, i % 2 ? KO_LARGEST : KO_LEAST, combination, places[1], of);
+            x.resize(x.size() - dim * n_points);
             take_in(of_combination[by], compare(combined, x, others));
         }
         for (int kind = 0; kind < 4; ++kind) {
             const std::string key = "derivatives_" + std::to_string(dim) + "d_" + NAMES[kind];
             print(key + "_gradient_error", of_kind[kind].gradient);
             print(key + "_hessian_error", of_kind[kind].hessian);
+            print(key + "_products_error", of_kind[kind].products);
             if (kind == 0) continue;
             print(key + "_of_fields_gradient_error", of_combination[kind].gradient);
             print(key + "_of_fields_hessian_error", of_combination[kind].hessian);
         }
+        print("derivatives_" + std::to_string(dim) + "d_of_values_gradient_error", of_aggregate.gradient);
+        print("derivatives_" + std::to_string(dim) + "d_of_values_hessian_error", of_aggregate.hessian);
+        compare_formulations(dim, others);
     }
     print("derivatives_gradient_error_limit", LIMIT_OF_GRADIENTS);
     print("derivatives_hessian_error_limit", LIMIT_OF_HESSIANS);

@@ -217,6 +217,46 @@ fn random_control_points_are_sound() {
             attack(&field, &mesh, reach, &certificate, 3000);
             check_bounds(&field, &mesh, &certificate);
         }
+        // The largest error on the surface to a thousandth.
+        let fine = CertifyOptions { tolerance: 1e-3, max_boxes: 100_000, ..CertifyOptions::default() };
+        let certificate = field.certify(&mesh, 0.5, 0.0, &fine, &mut Progress::silent()).unwrap();
+        let surface = mesh.sample(40_000, 5).unwrap();
+        let largest = surface.points().iter().map(|p| value(&field, *p).abs()).fold(0.0, f64::max);
+        let eps = certificate.surface_error;
+        assert!(eps >= largest && eps < 1.01 * largest, "{largest} {certificate:?}");
+    }
+}
+
+/// Fields with one peak, at the rim of what is to be kept clear: where a cell's middle is beyond the rim, the cell counts all the same.
+#[test]
+fn peaks_at_the_rim_are_seen() {
+    let mesh = sphere([0.0; 3], 1.0, 2).unwrap();
+    let (n_cells, cell, reach) = (16, 0.375, 0.5);
+    let axis = Axis { lower: -0.5 * n_cells as f64 * cell, cell, n_cells };
+    let grid = Grid { axes: [axis; 3] };
+    let (n, mut random) = (n_cells + 3, SplitMix64::new(41));
+    for k in 0..40 {
+        let way: [f64; 3] = std::array::from_fn(|_| random.between(-1.0, 1.0));
+        // Within the rim, or just beyond it.
+        let r = 1.0 + reach + cell * random.between(-0.3, 0.2);
+        let peak = way.map(|x| x * r / norm(way));
+        let control_point = |i: usize| {
+            let at = [i / (n * n), i / n % n, i % n];
+            if at.iter().any(|k| *k < 3 || k + 3 >= n) {
+                return 1.0;
+            }
+            let off = norm(std::array::from_fn::<f64, 3, _>(|a| axis.lower + (at[a] as f64 - 1.0) * cell - peak[a]));
+            2.0 * (-(off / cell).powi(2)).exp() - 1.0
+        };
+        let c = (0..grid.n_control()).map(control_point).collect();
+        let field = Field::from_control_points(grid, c, Feasible::Outside, 3.5).unwrap();
+        let options = CertifyOptions { tolerance: 0.01, ..CertifyOptions::default() };
+        let certificate = field.certify(&mesh, reach, 0.0, &options, &mut Progress::silent()).unwrap();
+        let mut attack =
+            Attack { field: &field, mesh: &mesh, reach, is_side_certified: true, random: SplitMix64::new(k) };
+        let start = way.map(|x| x * (r - 0.5 * cell).min(1.0 + 0.9 * reach) / norm(way));
+        let largest = (0..5).map(|_| attack.climb(start, 300)).fold(f64::NEG_INFINITY, f64::max);
+        assert!(certificate.threshold > largest, "{k}: {largest} {certificate:?}");
     }
 }
 
