@@ -3,6 +3,7 @@
 #
 #   KEEPOUT_DATA           folder of the test data; ../shared/data beside the project otherwise
 #   KEEPOUT_REQUIRE_DATA   1: tests without their data fail instead of being skipped
+#   KEEPOUT_LONG           1: valgrind runs the programs that take it minutes, too: that of Fortran, and certificates
 #   CMAKE_BUILD_PARALLEL_LEVEL, CARGO_BUILD_JOBS   jobs at once, all cores otherwise
 set -euo pipefail
 
@@ -83,8 +84,9 @@ tests_named() {
 under_valgrind() (
     room=$(mktemp -d) || exit 1
     trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$room"' EXIT
-    programs=(fortran errors_later refined certify threads lifecycle plane level_sets normals clouds refits sensitivity constraints constraints_errors
-        formulations cogen cogen_errors errors golden)
+    programs=(errors_later refined threads lifecycle plane level_sets normals clouds refits sensitivity constraints constraints_errors formulations
+        cogen cogen_errors errors golden)
+    [[ -z ${KEEPOUT_LONG:-} ]] || programs=(fortran certify "${programs[@]}")
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)
     declare -A running=()
