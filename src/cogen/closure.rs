@@ -7,7 +7,6 @@
 use super::bits::Bits;
 use super::conflict::{Conflicts, Side};
 use super::frozen;
-use super::grid::Grid;
 use super::part::Part;
 use super::steps::Relative;
 use crate::{Error, Result};
@@ -31,9 +30,9 @@ impl Pair {
     }
 }
 
-/// Of two sets that with the larger area or volume, part 1's where they are equal.
-pub fn larger<const D: usize>(grids: [&Grid<D>; 2], sets: [&Bits; 2]) -> Side {
-    let volume = |k: usize| sets[k].count() as f64 * grids[k].measure();
+/// Of two sets of cells, whose areas or volumes are `measures`, that with the larger one, part 1's where they are equal.
+pub fn larger(measures: [f64; 2], sets: [&Bits; 2]) -> Side {
+    let volume = |k: usize| sets[k].count() as f64 * measures[k];
     if volume(0) >= volume(1) { Side::First } else { Side::Second }
 }
 

@@ -234,8 +234,9 @@ impl<const D: usize> Correlation<D> {
         Conflicts::of_rows(n, rows_of, row, workers)
     }
 
-    /// The same without a graph: the cells that the other part's as it may have them give a sensitivity.
-    pub(super) fn meeting(&self, workers: &Workers) -> Result<[Bits; 2]> {
+    /// (33) and (34): the cells of each part that collide with the other's cells as both may have them. One direction misses cells; this is
+    /// the union of both.
+    pub fn colliding(&self, workers: &Workers) -> Result<[Bits; 2]> {
         let ones = |side: Side| -> Result<Vec<f64>> {
             let allowed = &self.allowed[side.index()];
             let mut rho = try_vec(allowed.len(), 0.0, "colliding cells")?;
@@ -252,14 +253,5 @@ impl<const D: usize> Correlation<D> {
             Bits::of(n, |i| own[i] + others[i] > 0.0)
         };
         Ok([meeting(Side::First)?, meeting(Side::Second)?])
-    }
-
-    /// (33) and (34): the cells of each part that collide with the other's cells as both may have them. One direction misses cells; this is
-    /// the union of both.
-    pub fn colliding(&self, conflicts: &Conflicts) -> Result<[Bits; 2]> {
-        Ok([
-            conflicts.neighbours(Side::Second, &self.allowed[1])?,
-            conflicts.neighbours(Side::First, &self.allowed[0])?,
-        ])
     }
 }

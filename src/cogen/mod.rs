@@ -99,6 +99,10 @@ mod tests;
 #[cfg(test)]
 mod tests_boundary;
 #[cfg(test)]
+mod tests_gaps;
+#[cfg(test)]
 mod tests_limits;
+#[cfg(test)]
+mod tests_measures;
 #[cfg(test)]
 mod tests_periods;

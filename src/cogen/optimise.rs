@@ -9,7 +9,7 @@
 //! those above 1/2, which still collide: here these go through closure, which takes out what collides and fills up what is free.
 
 use super::bits::Bits;
-use super::closure::{Pair, close};
+use super::closure::{Pair, close, larger};
 use super::conflict::{Conflicts, Side};
 use super::correlation::{Correlation, Measures};
 use super::mma::{Mma, Problem};
@@ -97,7 +97,7 @@ pub fn optimise<const D: usize>(
 ) -> Result<Optimised> {
     let Design { correlation, conflicts, room, frozen } = *design;
     options.check()?;
-    let colliding = correlation.meeting(workers)?;
+    let colliding = correlation.colliding(workers)?;
     let variables = [Side::First, Side::Second].map(|side| -> Result<Variables> {
         let k = side.index();
         let mut cells = try_with_capacity(colliding[k].count(), "densities")?;
@@ -128,12 +128,8 @@ pub fn optimise<const D: usize>(
     let kept = |k: usize| Bits::of(room[k].len(), |i| densities[k][i] > 0.5);
     let thresholded = [kept(0)?, kept(1)?];
     let volume = |side: Side, set: &Bits| set.count() as f64 * correlation.measure(side);
-    let larger = if volume(Side::First, &thresholded[0]) >= volume(Side::Second, &thresholded[1]) {
-        Side::First
-    } else {
-        Side::Second
-    };
-    let from = options.from.unwrap_or(larger);
+    let measures = [Side::First, Side::Second].map(|side| correlation.measure(side));
+    let from = options.from.unwrap_or_else(|| larger(measures, thresholded.each_ref()));
     let pair = close(conflicts, room, from, &thresholded[from.index()])?;
     let left = [Side::First, Side::Second].map(|side| {
         let mut set = pair.cells[side.index()].clone();

@@ -49,7 +49,7 @@ impl<const D: usize> Coupled<D> {
     /// The pair that one gets by keeping one of `sets`.
     fn closed(&self, sets: [&Bits; 2], from: Option<Side>) -> Result<Pair> {
         let Graph { conflicts, room, .. } = self.graph()?;
-        let from = from.unwrap_or_else(|| larger(self.parts.each_ref().map(|part| part.grid()), sets));
+        let from = from.unwrap_or_else(|| larger(self.parts.each_ref().map(|part| part.grid().measure()), sets));
         close(conflicts, room, from, sets[from.index()])
     }
 
@@ -245,12 +245,10 @@ pub unsafe extern "C" fn ko_pair_cut(
             let Graph { conflicts, room, .. } = pair.graph()?;
             let weights = pair.weights(given, MOST_OF_CUT)?;
             let found = cut(conflicts, room, weights.units(), &mut Progress::new(&mut told))?;
-            // Cells that weigh nothing may be left out.
-            let closed = close(conflicts, room, Side::First, &found.pair.cells[0])?;
-            let reached = pair.volumes(closed.cells.each_ref())?.1;
+            let reached = pair.volumes(found.pair.cells.each_ref())?.1;
             let most = (weights.units_of(room) - found.flow) as f64 * weights.unit();
-            let own = weights.units_of(&closed.cells) as f64 * weights.unit();
-            put_pair(&closed, outs);
+            let own = weights.units_of(&found.pair.cells) as f64 * weights.unit();
+            put_pair(&found.pair, outs);
             // SAFETY: the header asks for NULL or places to write.
             unsafe {
                 tell(weight, own)?;
@@ -315,8 +313,7 @@ pub unsafe extern "C" fn ko_pair_family(
             let (weights, own) = (pair.weights(given, MOST_OF_FAMILY)?, options.to_family_options());
             let found = family(conflicts, room, weights.units(), gammas, &own, &mut Progress::new(&mut told))?;
             for (k, member) in found.into_iter().enumerate() {
-                let closed = close(conflicts, room, Side::First, &member.pair.cells[0])?;
-                put_pair(&closed, [&mut out_1[k * n_1..(k + 1) * n_1], &mut out_2[k * n_2..(k + 1) * n_2]]);
+                put_pair(&member.pair, [&mut out_1[k * n_1..(k + 1) * n_1], &mut out_2[k * n_2..(k + 1) * n_2]]);
                 if let Some(to) = &mut reached {
                     to[k] = member.gamma;
                 }
