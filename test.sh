@@ -85,7 +85,7 @@ under_valgrind() (
     room=$(mktemp -d) || exit 1
     trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$room"' EXIT
     programs=(errors_later refined threads lifecycle plane level_sets normals clouds refits sensitivity constraints constraints_errors formulations
-        cogen cogen_errors errors golden)
+        cogen cogen_errors pair_choices part_meshes assemblies errors golden)
     [[ -z ${KEEPOUT_LONG:-} ]] || programs=(fortran certify "${programs[@]}")
     data=${KEEPOUT_DATA:-$root/../shared/data}
     [[ -d $data ]] && programs+=(bad_data)

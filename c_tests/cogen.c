@@ -1,24 +1,7 @@
 /* Co-generation: motions, parts, measures against sums over cells and times, pairs against all there are. */
 
-#include "check.h"
+#include "cogen.h"
 #include <pthread.h>
-
-static const double TAU = 6.283185307179586;
-
-static ko_law even(double slope) {
-    ko_law law;
-    OK(ko_law_init(&law, sizeof law));
-    law.slope = slope;
-    return law;
-}
-
-static ko_motion *turn(double x, double y, double slope) {
-    const double center[2] = {x, y};
-    ko_law law = even(slope);
-    ko_motion *motion = NULL;
-    OK(ko_motion_turn(center, &law, &motion));
-    return motion;
-}
 
 static ko_motion *product(const ko_motion *outer, const ko_motion *inner) {
     ko_motion *motion = NULL;
@@ -165,27 +148,10 @@ static void mechanisms_hold_together(void) {
     ko_motion_free(rocker);
 }
 
-static ko_part *grid(double x, double y, double edge, size_t nx, size_t ny) {
-    const double corner[2] = {x, y};
-    const size_t counts[2] = {nx, ny};
-    ko_part *part = NULL;
-    OK(ko_part_create(2, corner, edge, counts, NULL, 0, &part));
-    return part;
-}
-
 static double sum(const double *x, size_t n) {
     double total = 0.0;
     for (size_t i = 0; i < n; i++) {
         total += x[i];
-    }
-    return total;
-}
-
-static size_t count(const uint8_t *set, size_t n) {
-    size_t total = 0;
-    for (size_t i = 0; i < n; i++) {
-        CHECK(set[i] <= 1);
-        total += set[i];
     }
     return total;
 }
@@ -269,15 +235,6 @@ struct gears {
     ko_motion *motions[2];
     ko_pair *pair;
 };
-
-static ko_pair_options options_of(int32_t conflicts, uint64_t measure_steps) {
-    ko_pair_options options;
-    OK(ko_pair_options_init(&options, sizeof options));
-    options.conflicts = conflicts;
-    options.measure_steps = measure_steps;
-    options.n_threads = 1;
-    return options;
-}
 
 static struct gears gears_of(int32_t conflicts, uint64_t measure_steps) {
     struct gears g = {{grid(CORNER_1[0], CORNER_1[1], EDGE_1, 10, 12), grid(CORNER_2[0], CORNER_2[1], EDGE_2, 16, 10)},

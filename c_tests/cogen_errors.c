@@ -1,37 +1,22 @@
 /* What co-generation's calls refuse, and what they say; cancelled work. */
 
-#include "check.h"
+#include "cogen.h"
 
 static const double ZERO[3] = {0.0, 0.0, 0.0}, Z[3] = {0.0, 0.0, 1.0};
 
-static ko_law law_of(double slope) {
-    ko_law law;
-    OK(ko_law_init(&law, sizeof law));
-    law.slope = slope;
-    return law;
-}
-
-static ko_motion *turn(double x, double slope) {
-    const double center[2] = {x, 0.0};
-    ko_law law = law_of(slope);
-    ko_motion *motion = NULL;
-    OK(ko_motion_turn(center, &law, &motion));
-    return motion;
-}
-
 static ko_motion *screw(void) {
-    ko_law law = law_of(1.0);
+    ko_law law = even(1.0);
     ko_motion *motion = NULL;
     OK(ko_motion_screw(ZERO, Z, 0.1, &law, &motion));
     return motion;
 }
 
 static void laws_and_screws(void) {
-    ko_law law, wrong = law_of(NAN);
+    ko_law law, wrong = even(NAN);
     const double infinite[3] = {0.0, INFINITY, 0.0};
     FAILS(ko_law_init(NULL, sizeof law), KO_ERR_INVALID_ARGUMENT, "law");
     FAILS(ko_law_init(&law, 8), KO_ERR_INVALID_ARGUMENT, "struct_size");
-    law = law_of(1.0);
+    law = even(1.0);
     ko_motion *motion = STALE(ko_motion);
     FAILS(ko_motion_turn(ZERO, NULL, &motion), KO_ERR_INVALID_ARGUMENT, "law is NULL");
     CHECK(motion == NULL);
@@ -41,10 +26,10 @@ static void laws_and_screws(void) {
     FAILS(ko_motion_turn(infinite, &law, &motion), KO_ERR_INVALID_ARGUMENT, "finite");
     law.n_waves = 2;
     FAILS(ko_motion_turn(ZERO, &law, &motion), KO_ERR_INVALID_ARGUMENT, "waves is NULL");
-    law = law_of(1.0);
+    law = even(1.0);
     law.struct_size = 3;
     FAILS(ko_motion_turn(ZERO, &law, &motion), KO_ERR_INVALID_ARGUMENT, "struct_size 3");
-    law = law_of(1.0);
+    law = even(1.0);
     FAILS(ko_motion_slide(4, ZERO, &law, &motion), KO_ERR_INVALID_ARGUMENT, "dim is 4");
     FAILS(ko_motion_slide(3, NULL, &law, &motion), KO_ERR_INVALID_ARGUMENT, "along");
     FAILS(ko_motion_slide(3, infinite, &law, &motion), KO_ERR_INVALID_ARGUMENT, "finite");
@@ -152,8 +137,8 @@ static void mechanisms_that_are_none(void) {
     FAILS(ko_motion_four_bar(pivots, lengths, NAN, 6.0, 1, 50, &a, &b, &c), KO_ERR_INVALID_ARGUMENT, "from NaN");
     FAILS(ko_motion_four_bar(pivots, lengths, 0.0, 6.0, 1, SIZE_MAX / 2, &a, &b, &c), KO_ERR_OUT_OF_MEMORY, "linkage");
 
-    ko_motion *plane = turn(0.0, 1.0), *space = screw();
-    FAILS(ko_motion_product(plane, space, &a), KO_ERR_INVALID_ARGUMENT, "outer has dim 2, inner has dim 3");
+    ko_motion *plane = turn(0.0, 0.0, 1.0), *space = screw();
+    FAILS(ko_motion_product(plane, space, &a), KO_ERR_INVALID_ARGUMENT, "outer dim 2, inner dim 3");
     FAILS(ko_motion_product(NULL, space, &a), KO_ERR_INVALID_ARGUMENT, "outer");
     FAILS(ko_motion_product(plane, NULL, &a), KO_ERR_INVALID_ARGUMENT, "inner");
     FAILS(ko_motion_product(plane, plane, NULL), KO_ERR_INVALID_ARGUMENT, "motion");
@@ -176,13 +161,8 @@ static void mechanisms_that_are_none(void) {
     ko_motion_free(NULL);
 }
 
-static ko_part *grid(double x, size_t n) {
-    const double corner[2] = {x, -0.5};
-    const size_t counts[2] = {n, n};
-    ko_part *part = NULL;
-    OK(ko_part_create(2, corner, 1.0 / (double)n, counts, NULL, 0, &part));
-    return part;
-}
+/* n^2 cells. */
+static ko_part *square(double x, size_t n) { return grid(x, -0.5, 1.0 / (double)n, n, n); }
 
 static void parts_that_are_none(void) {
     const size_t counts[3] = {2, 2, 2}, none[2] = {2, 0}, many[2] = {1u << 20, 1u << 20};
@@ -201,7 +181,7 @@ static void parts_that_are_none(void) {
     FAILS(ko_part_create(3, ZERO, 1.0, counts, cells, 8, &part), KO_ERR_INVALID_ARGUMENT, "cell 5 is 3");
     FAILS(ko_part_create(7, ZERO, 1.0, counts, NULL, 0, &part), KO_ERR_INVALID_ARGUMENT, "dim is 7");
     FAILS(ko_part_create(2, ZERO, 1.0, counts, NULL, 0, NULL), KO_ERR_INVALID_ARGUMENT, "part");
-    part = grid(0.0, 3);
+    part = square(0.0, 3);
     double out[9], before[9] = {4, 4, 4, 4, 4, 4, 4, 4, 4};
     memcpy(out, before, sizeof out);
     const double low[2] = {0.0, 0.0}, high[2] = {1.0, -1.0}, ends[4] = {1, 1, 1, 1};
@@ -217,10 +197,10 @@ static void parts_that_are_none(void) {
     FAILS(ko_part_copy_cells(part, 8, cells), KO_ERR_INVALID_ARGUMENT, "n_cells is 8; the object has 9");
     FAILS(ko_part_copy_cells(NULL, 8, cells), KO_ERR_INVALID_ARGUMENT, "part");
     FAILS(ko_part_copy_cells(part, 9, NULL), KO_ERR_INVALID_ARGUMENT, "cells");
-    FAILS(ko_part_fractions_of_mesh(part, cube, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "the part has dim 2, the mesh has dim 3");
+    FAILS(ko_part_fractions_of_mesh(part, cube, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "the part dim 2, the mesh dim 3");
     FAILS(ko_part_fractions_of_mesh(part, NULL, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "mesh");
     FAILS(ko_part_fractions_of_mesh(NULL, cube, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "part");
-    FAILS(ko_part_fractions_of_field(part, space, 2.0, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "the field has dim 3");
+    FAILS(ko_part_fractions_of_field(part, space, 2.0, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "the field dim 3");
     FAILS(ko_part_fractions_of_field(part, plane, 0.0, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "steepness of 0");
     FAILS(ko_part_fractions_of_field(part, NULL, 2.0, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "field");
     FAILS(ko_part_fractions_of_field(NULL, plane, 2.0, 2, 1, 9, out), KO_ERR_INVALID_ARGUMENT, "part");
@@ -265,8 +245,8 @@ static int32_t stop_later(double fraction, const char *stage, void *data) {
 enum { N = 4, CELLS = 16 };
 
 static void sweeps_that_are_none(void) {
-    ko_part *a = grid(-0.5, N), *b = grid(0.4, N), *space = NULL;
-    ko_motion *motion = turn(0.0, 1.0), *in_space = screw();
+    ko_part *a = square(-0.5, N), *b = square(0.4, N), *space = NULL;
+    ko_motion *motion = turn(0.0, 0.0, 1.0), *in_space = screw();
     const size_t counts[3] = {2, 2, 2};
     OK(ko_part_create(3, ZERO, 1.0, counts, NULL, 0, &space));
     uint8_t out[CELLS], before[CELLS], set[CELLS] = {0};
@@ -277,8 +257,8 @@ static void sweeps_that_are_none(void) {
     o.n_threads = 1;
     FAILS(ko_part_sweep(NULL, NULL, 0, motion, b, NULL, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "part");
     FAILS(ko_part_sweep(a, NULL, 0, motion, NULL, NULL, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "still");
-    FAILS(ko_part_sweep(a, NULL, 0, motion, space, NULL, &o, 8, out), KO_ERR_INVALID_ARGUMENT, "still has dim 3");
-    FAILS(ko_part_sweep(a, NULL, 0, in_space, b, NULL, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "its motion has dim 3");
+    FAILS(ko_part_sweep(a, NULL, 0, motion, space, NULL, &o, 8, out), KO_ERR_INVALID_ARGUMENT, "still dim 3");
+    FAILS(ko_part_sweep(a, NULL, 0, in_space, b, NULL, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "its motion dim 3");
     FAILS(ko_part_sweep(a, set, 5, motion, b, NULL, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "n_cells is 5");
     FAILS(ko_part_sweep(a, NULL, 0, motion, b, NULL, &o, 5, out), KO_ERR_INVALID_ARGUMENT, "n_still is 5");
     FAILS(ko_part_sweep(a, NULL, 0, motion, b, NULL, &o, CELLS, NULL), KO_ERR_INVALID_ARGUMENT, "swept");
@@ -291,7 +271,7 @@ static void sweeps_that_are_none(void) {
     FAILS(ko_part_unsweep(a, motion, b, set, 3, NULL, KO_AVOID, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "n_body is 3");
     FAILS(ko_part_unsweep(a, motion, b, NULL, 0, NULL, KO_AVOID, &o, 3, out), KO_ERR_INVALID_ARGUMENT, "n_cells is 3");
     FAILS(ko_part_unsweep(a, motion, b, NULL, 0, in_space, KO_AVOID, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "its motion");
-    FAILS(ko_part_unsweep(a, motion, space, NULL, 0, NULL, KO_AVOID, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "body has dim 3");
+    FAILS(ko_part_unsweep(a, motion, space, NULL, 0, NULL, KO_AVOID, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "body dim 3");
     FAILS(ko_part_unsweep(NULL, motion, b, NULL, 0, NULL, KO_AVOID, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "part");
     FAILS(ko_part_unsweep(a, motion, NULL, NULL, 0, NULL, KO_AVOID, &o, CELLS, out), KO_ERR_INVALID_ARGUMENT, "body");
     FAILS(ko_part_unsweep(a, motion, b, NULL, 0, NULL, KO_AVOID, &o, CELLS, NULL), KO_ERR_INVALID_ARGUMENT, "kept");
@@ -313,18 +293,9 @@ static void sweeps_that_are_none(void) {
     ko_motion_free(in_space);
 }
 
-static ko_pair_options options_of(int32_t conflicts, uint64_t measure_steps) {
-    ko_pair_options o;
-    OK(ko_pair_options_init(&o, sizeof o));
-    o.conflicts = conflicts;
-    o.measure_steps = measure_steps;
-    o.n_threads = 1;
-    return o;
-}
-
 static void pairs_that_are_none(void) {
-    ko_part *a = grid(-0.5, N), *b = grid(0.4, N), *space = NULL, *far_off = grid(100.0, N);
-    ko_motion *motion = turn(0.0, 6.0), *other = turn(0.9, -6.0), *in_space = screw();
+    ko_part *a = square(-0.5, N), *b = square(0.4, N), *space = NULL, *far_off = square(100.0, N);
+    ko_motion *motion = turn(0.0, 0.0, 6.0), *other = turn(0.9, 0.0, -6.0), *in_space = screw();
     const size_t counts[3] = {2, 2, 2};
     OK(ko_part_create(3, ZERO, 1.0, counts, NULL, 0, &space));
     ko_pair *pair = STALE(ko_pair);
@@ -333,8 +304,8 @@ static void pairs_that_are_none(void) {
     CHECK(pair == NULL);
     FAILS(ko_pair_create(a, motion, NULL, other, &o, &pair), KO_ERR_INVALID_ARGUMENT, "part_2");
     FAILS(ko_pair_create(a, motion, b, other, &o, NULL), KO_ERR_INVALID_ARGUMENT, "pair");
-    FAILS(ko_pair_create(a, motion, space, other, &o, &pair), KO_ERR_INVALID_ARGUMENT, "part_2 has dim 3");
-    FAILS(ko_pair_create(a, in_space, b, other, &o, &pair), KO_ERR_INVALID_ARGUMENT, "its motion has dim 3");
+    FAILS(ko_pair_create(a, motion, space, other, &o, &pair), KO_ERR_INVALID_ARGUMENT, "part_2 dim 3");
+    FAILS(ko_pair_create(a, in_space, b, other, &o, &pair), KO_ERR_INVALID_ARGUMENT, "its motion dim 3");
     o.max_bytes = 100;
     FAILS(ko_pair_create(a, motion, b, other, &o, &pair), KO_ERR_OUT_OF_MEMORY, "the limit is 100 bytes");
     o = options_of(KO_CONFLICTS_OF_OVERLAP, 0);
@@ -413,8 +384,8 @@ static void pairs_that_are_none(void) {
 }
 
 static void calls_on_pairs(void) {
-    ko_part *a = grid(-0.5, N), *b = grid(0.4, N);
-    ko_motion *motion = turn(0.0, 6.0), *other = turn(0.9, -6.0);
+    ko_part *a = square(-0.5, N), *b = square(0.4, N);
+    ko_motion *motion = turn(0.0, 0.0, 6.0), *other = turn(0.9, 0.0, -6.0);
     ko_pair *both = NULL, *graph = NULL, *measures = NULL;
     ko_pair_options o = options_of(KO_CONFLICTS_OF_OVERLAP, 10);
     OK(ko_pair_create(a, motion, b, other, &o, &both));

@@ -467,8 +467,8 @@ static void refits_that_cannot_be(void) {
     CHECK(made == NULL);
     FAILS(ko_field_refit(start, NULL, NULL, &made), KO_ERR_INVALID_ARGUMENT, "cloud is NULL");
     FAILS(ko_field_refit(start, cloud, NULL, NULL), KO_ERR_INVALID_ARGUMENT, "field is NULL");
-    FAILS(ko_field_refit(start, curve, NULL, &made), KO_ERR_INVALID_ARGUMENT, "start has dim 3, the cloud dim 2");
-    FAILS(ko_field_refit(plane, cloud, NULL, &made), KO_ERR_INVALID_ARGUMENT, "start has dim 2, the cloud dim 3");
+    FAILS(ko_field_refit(start, curve, NULL, &made), KO_ERR_INVALID_ARGUMENT, "start dim 3, the cloud dim 2");
+    FAILS(ko_field_refit(plane, cloud, NULL, &made), KO_ERR_INVALID_ARGUMENT, "start dim 2, the cloud dim 3");
     ko_fit_options options = check_options(5);
     options.lambda_smooth = nan_value;
     FAILS(ko_field_refit(start, cloud, &options, &made), KO_ERR_INVALID_ARGUMENT, "lambda_smooth is NaN");

@@ -81,7 +81,7 @@ static void motions_move() {
     CHECK(caught);
     THROWS(Motion::from_function(2, [](double, double *, double *) {}, 3), KO_ERR_INVALID_ARGUMENT, "pose 0, at time 0: an entry");
     THROWS(Motion::turn(std::array<double, 3>{}, Law{}), KO_ERR_INVALID_ARGUMENT, "center has room for 3");
-    THROWS(still.product(turn), KO_ERR_INVALID_ARGUMENT, "outer has dim 3");
+    THROWS(still.product(turn), KO_ERR_INVALID_ARGUMENT, "outer dim 3");
     THROWS(Motion(nullptr).inverse(), KO_ERR_INVALID_ARGUMENT, "of is NULL");
 
     const auto wheels = Motion::gears(std::array<double, 4>{0, 0, 2, 0}, 1.0, 1.0);
@@ -122,7 +122,7 @@ static void parts_are_grids() {
     }
     CHECK(inside > 1.0);
     CHECK_NEAR(sum(space.fractions(field, 3.0, 4)), inside, 1e-12);
-    THROWS(part.fractions(cube), KO_ERR_INVALID_ARGUMENT, "the mesh has dim 3");
+    THROWS(part.fractions(cube), KO_ERR_INVALID_ARGUMENT, "the mesh dim 3");
     THROWS(Part(nullptr).size(), KO_ERR_INVALID_ARGUMENT, "part is NULL");
 
     /* The part slides over a table. */
@@ -207,9 +207,85 @@ static void pairs_never_collide() {
     CHECK(caught);
 }
 
+static void choices_are_served() {
+    const std::array<std::size_t, 2> counts{12, 12};
+    const Part one = Part::create(std::array<double, 2>{-0.5, -0.5}, 1.0 / 12, counts);
+    const Part two = Part::create(std::array<double, 2>{0.5, -0.5}, 1.0 / 12, counts);
+    const auto wheels = Motion::gears(std::array<double, 4>{0, 0, 1, 0}, 1.0, 1.0);
+    keepout::PairOptions options = one_thread();
+    options.n_steps = 200;
+    options.measure_steps = 40;
+    const keepout::Pair pair = keepout::Pair::create(one, wheels[0], two, wheels[1], options);
+
+    /* Half a turn of both wheels about their centres. */
+    const std::array<double, 12> half{-1, 0, 0, -1, 0, 0, -1, 0, 0, -1, 2, 0};
+    keepout::FamilyOptions symmetric;
+    symmetric.symmetries = half.data();
+    symmetric.n_symmetries = 1;
+    const auto best = pair.cut({}, {}, symmetric);
+    for (std::size_t i = 0; i < 144; i++) {
+        CHECK(best.cells.first[i] == best.cells.first[143 - i] && best.cells.second[i] == best.cells.second[143 - i]);
+    }
+    CHECK_NEAR(best.weight, pair.cut().weight, 1e-12);
+
+    keepout::PersistenceOptions persistence;
+    persistence.n_times = 40;
+    persistence.max_tries = 20;
+    persistence.n_threads = 1;
+    const auto touching = pair.more_persistent(best.cells, {}, {}, persistence);
+    CHECK(touching.after >= touching.before && touching.before > 0.0 && touching.n_tries <= 20);
+    CHECK(pair.volumes(touching.cells).n_lost == 0);
+    THROWS(pair.more_persistent({}), KO_ERR_INVALID_ARGUMENT, "the first set has room for 0");
+
+    const std::vector<double> rho(144, 0.25);
+    const auto by = pair.sensitivities(rho, rho, 1), put = pair.topological_sensitivities(rho, rho, KO_CHANGE_PUT, 1),
+               take = pair.topological_sensitivities(rho, rho, KO_CHANGE_TAKE, 1);
+    for (std::size_t i = 0; i < 144; i++) {
+        CHECK_NEAR(put.g21.second[i], 0.75 * 144 * by.g21.second[i], 1e-12);
+        CHECK_NEAR(take.g12.first[i], 0.25 * 144 * by.g12.first[i], 1e-12);
+    }
+    THROWS(pair.topological_sensitivities(rho, rho, 7), KO_ERR_INVALID_ARGUMENT, "change is 7");
+
+    /* Meshes of what is kept. */
+    const keepout::Mesh mesh = one.mesh_of_cells(best.cells.first, KO_WITHIN_CELLS, 0);
+    CHECK_NEAR(mesh.report().volume, static_cast<double>(std::count(best.cells.first.begin(), best.cells.first.end(), 1)) / 144, 1e-12);
+    std::vector<double> densities(best.cells.first.begin(), best.cells.first.end());
+    CHECK(one.mesh_of_densities(densities, 0.5, KO_WITHIN_ANYWHERE, 5).report().closed == 1);
+    THROWS(one.mesh_of_cells(keepout::CellSet(3)), KO_ERR_INVALID_ARGUMENT, "a set of 3 cells");
+    const auto cancel = [](double, const char *) { return keepout::Progress::cancel; };
+    THROWS(one.mesh_of_densities(densities, 0.5, KO_WITHIN_CELLS, 5, cancel), KO_ERR_CANCELLED, "cancelled");
+
+    /* A third wheel, which meets the second alone. */
+    const Part three = Part::create(std::array<double, 2>{1.5, -0.5}, 1.0 / 12, counts);
+    const auto others = Motion::gears(std::array<double, 4>{2, 0, 1, 0}, 1.0, 1.0);
+    const std::array<const Part *, 3> parts{&one, &two, &three};
+    const std::array<const Motion *, 3> motions{&wheels[0], &wheels[1], &others[0]};
+    const keepout::Assembly assembly = keepout::Assembly::create(parts, motions, one_thread());
+    CHECK(assembly.report().n_parts == 3 && assembly.report().n_cells == 432);
+    const auto meetings = assembly.meetings();
+    CHECK(meetings.size() == 2 && meetings[0][0] == 0 && meetings[0][1] == 1 && meetings[1][0] == 1 && meetings[1][1] == 2);
+    const auto train = assembly.arrange();
+    CHECK(train.weight == train.bound && train.n_cuts >= 1);
+    CHECK_NEAR(train.weight, static_cast<double>(std::count(train.cells.begin(), train.cells.end(), 1)) / 144, 1e-12);
+    CHECK(assembly.close(train.cells, std::array<std::size_t, 3>{2, 0, 1}) == train.cells);
+    const auto second = assembly.close(keepout::CellSet(432, 1), std::array<std::size_t, 3>{1, 0, 2});
+    CHECK(std::count(second.begin() + 144, second.begin() + 288, 1) == 144 && std::count(second.begin(), second.end(), 1) < 432);
+    THROWS(assembly.close(keepout::CellSet(3)), KO_ERR_INVALID_ARGUMENT, "sets has room for 3");
+    THROWS(assembly.close(train.cells, std::array<std::size_t, 2>{0, 1}), KO_ERR_INVALID_ARGUMENT, "order has room for 2");
+    THROWS(assembly.arrange(rho), KO_ERR_INVALID_ARGUMENT, "weights has room for 144");
+    keepout::ArrangeOptions arrange;
+    arrange.on_progress = cancel;
+    THROWS(assembly.arrange({}, arrange), KO_ERR_CANCELLED, "cancelled");
+    const std::array<const Part *, 1> none{nullptr};
+    const std::array<const Motion *, 1> still{nullptr};
+    THROWS(keepout::Assembly::create(none, still), KO_ERR_INVALID_ARGUMENT, "parts[0] is NULL");
+    THROWS(keepout::Assembly(nullptr).report(), KO_ERR_INVALID_ARGUMENT, "assembly is NULL");
+}
+
 int main() {
     motions_move();
     parts_are_grids();
     pairs_never_collide();
+    choices_are_served();
     return check_result();
 }

@@ -152,7 +152,7 @@ static void derivatives_go_back_to_vertices(void) {
     /* What does not belong together. */
     ko_mesh *cube = check_cube();
     ko_cloud *of_points = check_circle(N), *none = STALE(ko_cloud);
-    FAILS(ko_cloud_follow(cloud, cube, &none), KO_ERR_INVALID_ARGUMENT, "the cloud has dim 2, the mesh dim 3");
+    FAILS(ko_cloud_follow(cloud, cube, &none), KO_ERR_INVALID_ARGUMENT, "the cloud dim 2, the mesh dim 3");
     CHECK(none == NULL);
     FAILS(ko_cloud_follow(of_points, mesh, &none), KO_ERR_INVALID_ARGUMENT, "has origins");
     FAILS(ko_cloud_pull_back(cloud, cube, by_points, NULL, N, 8, d_vertices), KO_ERR_INVALID_ARGUMENT, "the mesh dim 3");

@@ -65,11 +65,15 @@ module keepout_c
   integer(c_int8_t), parameter :: KO_CELL_FORBIDDEN = 0
   integer(c_int8_t), parameter :: KO_CELL_FREE = 1
   integer(c_int8_t), parameter :: KO_CELL_FROZEN = 2
+  integer(c_int32_t), parameter :: KO_WITHIN_CELLS = 0
+  integer(c_int32_t), parameter :: KO_WITHIN_ANYWHERE = 1
   integer(c_int32_t), parameter :: KO_CONFLICTS_OF_OVERLAP = 0
   integer(c_int32_t), parameter :: KO_CONFLICTS_OF_MEASURE = 1
   integer(c_int32_t), parameter :: KO_CONFLICTS_NONE = 2
   integer(c_int32_t), parameter :: KO_AVOID = 0
   integer(c_int32_t), parameter :: KO_STAY_IN = 1
+  integer(c_int32_t), parameter :: KO_CHANGE_PUT = 0
+  integer(c_int32_t), parameter :: KO_CHANGE_TAKE = 1
 
   type, bind(c) :: ko_mesh_report
     integer(c_size_t) :: struct_size
@@ -267,6 +271,11 @@ module keepout_c
   type, bind(c) :: ko_family_options
     integer(c_size_t) :: struct_size
     real(c_double) :: gap
+    type(c_ptr) :: symmetries
+    integer(c_size_t) :: n_symmetries
+    real(c_double) :: symmetry_excess
+    integer(c_int32_t) :: n_threads
+    integer(c_int32_t) :: reserved
     type(c_funptr) :: progress
     type(c_ptr) :: progress_data
   end type
@@ -279,6 +288,19 @@ module keepout_c
     real(c_double) :: feasibility
     integer(c_int32_t) :: max_iterations
     integer(c_int32_t) :: close_from
+    integer(c_int32_t) :: n_threads
+    integer(c_int32_t) :: reserved
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  ! Made by keepout_persistence_options() with the defaults.
+  type, bind(c) :: ko_persistence_options
+    integer(c_size_t) :: struct_size
+    real(c_double) :: scale
+    real(c_double) :: gammas(2)
+    integer(c_int64_t) :: n_times
+    integer(c_int64_t) :: max_tries
     integer(c_int32_t) :: n_threads
     integer(c_int32_t) :: reserved
     type(c_funptr) :: progress
@@ -306,6 +328,25 @@ module keepout_c
     real(c_double) :: change
     integer(c_int32_t) :: n_iterations
     integer(c_int32_t) :: converged
+  end type
+
+  ! Made by keepout_arrange_options() with the defaults.
+  type, bind(c) :: ko_arrange_options
+    integer(c_size_t) :: struct_size
+    integer(c_int32_t) :: max_rounds
+    integer(c_int32_t) :: max_starts
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data
+  end type
+
+  type, bind(c) :: ko_assembly_report
+    integer(c_size_t) :: struct_size
+    integer(c_int64_t) :: n_cells
+    integer(c_int64_t) :: n_meetings
+    integer(c_int64_t) :: n_edges
+    integer(c_int64_t) :: graph_bytes
+    integer(c_int32_t) :: n_parts
+    integer(c_int32_t) :: dim
   end type
 
   abstract interface
@@ -1373,6 +1414,35 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
+    function ko_part_mesh_of_cells(part, cells, n_cells, within, rounds, progress, progress_data, &
+      mesh) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      integer(c_int8_t), intent(in) :: cells(*)
+      integer(c_size_t), value :: n_cells
+      integer(c_int32_t), value :: within
+      integer(c_int32_t), value :: rounds
+      type(c_funptr), value :: progress
+      type(c_ptr), value :: progress_data
+      type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_part_mesh_of_densities(part, densities, n_cells, level, within, rounds, progress, progress_data, &
+      mesh) bind(c) result(status)
+      import
+      type(c_ptr), value :: part
+      real(c_double), intent(in) :: densities(*)
+      integer(c_size_t), value :: n_cells
+      real(c_double), value :: level
+      integer(c_int32_t), value :: within
+      integer(c_int32_t), value :: rounds
+      type(c_funptr), value :: progress
+      type(c_ptr), value :: progress_data
+      type(c_ptr), intent(out) :: mesh
+      integer(c_int32_t) :: status
+    end function
+
     function ko_pair_options_init(options, struct_size) bind(c) result(status)
       import
       type(ko_pair_options), intent(inout) :: options
@@ -1390,6 +1460,13 @@ module keepout_c
     function ko_optimise_options_init(options, struct_size) bind(c) result(status)
       import
       type(ko_optimise_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_persistence_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_persistence_options), intent(inout) :: options
       integer(c_size_t), value :: struct_size
       integer(c_int32_t) :: status
     end function
@@ -1482,6 +1559,23 @@ module keepout_c
       integer(c_size_t), value :: n_1
       real(c_double), intent(in) :: densities_2(*)
       integer(c_size_t), value :: n_2
+      integer(c_int32_t), value :: n_threads
+      real(c_double), intent(inout) :: d21_d1(*)
+      real(c_double), intent(inout) :: d21_d2(*)
+      real(c_double), intent(inout) :: d12_d1(*)
+      real(c_double), intent(inout) :: d12_d2(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_pair_topological_sensitivities(pair, densities_1, n_1, densities_2, n_2, change, n_threads, d21_d1, d21_d2, &
+      d12_d1, d12_d2) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      real(c_double), intent(in) :: densities_1(*)
+      integer(c_size_t), value :: n_1
+      real(c_double), intent(in) :: densities_2(*)
+      integer(c_size_t), value :: n_2
+      integer(c_int32_t), value :: change
       integer(c_int32_t), value :: n_threads
       real(c_double), intent(inout) :: d21_d1(*)
       real(c_double), intent(inout) :: d21_d2(*)
@@ -1599,12 +1693,92 @@ module keepout_c
       real(c_double), intent(inout) :: mean
       integer(c_int32_t) :: status
     end function
+
+    function ko_pair_more_persistent(pair, set_1, set_2, weights_1, weights_2, options, n_1, n_2, cells_1, cells_2, before, &
+      after, n_tries) bind(c) result(status)
+      import
+      type(c_ptr), value :: pair
+      integer(c_int8_t), intent(in) :: set_1(*)
+      integer(c_int8_t), intent(in) :: set_2(*)
+      type(c_ptr), value :: weights_1
+      type(c_ptr), value :: weights_2
+      type(ko_persistence_options), intent(in) :: options
+      integer(c_size_t), value :: n_1
+      integer(c_size_t), value :: n_2
+      integer(c_int8_t), intent(inout) :: cells_1(*)
+      integer(c_int8_t), intent(inout) :: cells_2(*)
+      real(c_double), intent(inout) :: before
+      real(c_double), intent(inout) :: after
+      integer(c_size_t), intent(inout) :: n_tries
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_arrange_options_init(options, struct_size) bind(c) result(status)
+      import
+      type(ko_arrange_options), intent(inout) :: options
+      integer(c_size_t), value :: struct_size
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_assembly_create(parts, motions, n_parts, options, assembly) bind(c) result(status)
+      import
+      type(c_ptr), intent(in) :: parts(*)
+      type(c_ptr), intent(in) :: motions(*)
+      integer(c_size_t), value :: n_parts
+      type(ko_pair_options), intent(in) :: options
+      type(c_ptr), intent(out) :: assembly
+      integer(c_int32_t) :: status
+    end function
+
+    subroutine ko_assembly_free(assembly) bind(c)
+      import
+      type(c_ptr), value :: assembly
+    end subroutine
+
+    function ko_assembly_get_report(assembly, report_size, report) bind(c) result(status)
+      import
+      type(c_ptr), value :: assembly
+      integer(c_size_t), value :: report_size
+      type(ko_assembly_report), intent(inout) :: report
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_assembly_copy_meetings(assembly, n_meetings, meetings) bind(c) result(status)
+      import
+      type(c_ptr), value :: assembly
+      integer(c_size_t), value :: n_meetings
+      integer(c_size_t), intent(inout) :: meetings(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_assembly_close(assembly, sets, order, n_cells, cells) bind(c) result(status)
+      import
+      type(c_ptr), value :: assembly
+      integer(c_int8_t), intent(in) :: sets(*)
+      type(c_ptr), value :: order
+      integer(c_size_t), value :: n_cells
+      integer(c_int8_t), intent(inout) :: cells(*)
+      integer(c_int32_t) :: status
+    end function
+
+    function ko_assembly_arrange(assembly, weights, options, n_cells, cells, weight, bound, n_cuts) bind(c) result(status)
+      import
+      type(c_ptr), value :: assembly
+      type(c_ptr), value :: weights
+      type(ko_arrange_options), intent(in) :: options
+      integer(c_size_t), value :: n_cells
+      integer(c_int8_t), intent(inout) :: cells(*)
+      real(c_double), intent(inout) :: weight
+      real(c_double), intent(inout) :: bound
+      integer(c_size_t), intent(inout) :: n_cuts
+      integer(c_int32_t) :: status
+    end function
   end interface
 end module
 
-! Handles. A keepout_mesh, _cloud, _field, _sensitivity, _body, _constraints or _explicit is filled by a call on it
-!   (`call field%fit(cloud)`), which frees what it held, and is freed by free() or when it goes out of scope. It has one owner: assigning
-!   one ends the program.
+! Handles. A keepout_mesh, _cloud, _field, _sensitivity, _body, _constraints, _explicit, _motion, _part, _pair or _assembly is filled by a
+!   call on it (`call field%fit(cloud)`), which frees what it held, and is freed by free() or when it goes out of scope. It has one owner:
+!   assigning one ends the program.
 !   Fortran copies past that assignment in `allocate (c, source=mesh)` and in structure constructors, holder(mesh): never do either, both
 !   would free what there is once. To move a handle make it allocatable and call move_alloc.
 ! Errors. Each call ends with stat and errmsg, both optional, as those of allocate: stat is KO_OK, a remark (KO_OPEN_AT_BOX,
@@ -1820,6 +1994,8 @@ module keepout
     procedure :: fractions_of_box => part_fractions_of_box
     procedure :: fractions_of_ball => part_fractions_of_ball
     procedure :: fractions_of_cylinder => part_fractions_of_cylinder
+    procedure :: mesh_of_cells => part_mesh_of_cells
+    procedure :: mesh_of_densities => part_mesh_of_densities
     procedure :: sweep => part_sweep
     procedure :: unsweep => part_unsweep
     procedure :: c_handle => part_c_handle
@@ -1840,6 +2016,7 @@ module keepout
     procedure :: measures => pair_measures
     procedure :: local_measures => pair_local_measures
     procedure :: sensitivities => pair_sensitivities
+    procedure :: topological_sensitivities => pair_topological_sensitivities
     procedure :: colliding => pair_colliding
     procedure :: volumes => pair_volumes
     procedure :: close => pair_close
@@ -1847,10 +2024,33 @@ module keepout
     procedure :: family => pair_family
     procedure :: optimise => pair_optimise
     procedure :: contact => pair_contact
+    procedure :: more_persistent => pair_more_persistent
     procedure :: c_handle => pair_c_handle
     procedure, private :: pair_assign
     generic :: assignment(=) => pair_assign
     final :: pair_final
+  end type
+
+  ! Any number of parts, none of which collides with another. Sets and weights are of the cells of all parts, part after part.
+  type :: keepout_assembly
+    type(c_ptr), private :: handle = c_null_ptr
+    integer, private :: width = 0
+    integer, private :: parts = 0
+    integer(c_size_t), private :: n = 0
+  contains
+    procedure :: create => assembly_create
+    procedure :: free => assembly_free
+    procedure :: dim => assembly_dim
+    procedure :: n_parts => assembly_n_parts
+    procedure :: n_cells => assembly_n_cells
+    procedure :: report => assembly_report
+    procedure :: copy_meetings => assembly_copy_meetings
+    procedure :: close => assembly_close
+    procedure :: arrange => assembly_arrange
+    procedure :: c_handle => assembly_c_handle
+    procedure, private :: assembly_assign
+    generic :: assignment(=) => assembly_assign
+    final :: assembly_final
   end type
 
   ! Extended by who wants to be told of progress, with what he keeps meanwhile.
@@ -1911,7 +2111,10 @@ module keepout
   private :: part_unsweep, part_c_handle, part_assign, part_final
   private :: pair_create, pair_free, pair_report, pair_measures, pair_local_measures, pair_sensitivities, pair_colliding
   private :: pair_volumes, pair_close, pair_cut, pair_family, pair_optimise, pair_contact, pair_c_handle, pair_assign, pair_final
-  private :: of_pair, given, motion_of
+  private :: part_mesh_of_cells, part_mesh_of_densities, pair_topological_sensitivities, pair_more_persistent
+  private :: assembly_create, assembly_free, assembly_dim, assembly_n_parts, assembly_n_cells, assembly_report
+  private :: assembly_copy_meetings, assembly_close, assembly_arrange, assembly_c_handle, assembly_assign, assembly_final
+  private :: of_pair, given, motion_of, with_symmetries, boundary
 
 contains
 
@@ -2010,6 +2213,33 @@ contains
   function keepout_optimise_options() result(options)
     type(ko_optimise_options) :: options
     call settle(ko_optimise_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of searches for persistent pairs with the defaults.
+  function keepout_persistence_options() result(options)
+    type(ko_persistence_options) :: options
+    call settle(ko_persistence_options_init(options, c_sizeof(options)))
+  end function
+
+  ! Options of arrangements of assemblies with the defaults.
+  function keepout_arrange_options() result(options)
+    type(ko_arrange_options) :: options
+    call settle(ko_arrange_options_init(options, c_sizeof(options)))
+  end function
+
+  ! A map by which pairs shall be symmetric, a column of `symmetries` of pair%cut and pair%family: x goes to A x + b in the part's own frame, with
+  ! A the matrix (dim, dim) and b the vector (dim) of each part.
+  function keepout_symmetry(matrix_1, vector_1, matrix_2, vector_2) result(map)
+    real(c_double), intent(in) :: matrix_1(:, :), vector_1(:), matrix_2(:, :), vector_2(:)
+    real(c_double) :: map(2 * size(vector_1) * (size(vector_1) + 1))
+    integer :: dim
+    dim = size(vector_1)
+    map = 0
+    if (.not. right_size("vector_2", "entries", size(vector_2), dim)) return
+    if (.not. right_shape("matrix_1", shape(matrix_1), [dim, dim])) return
+    if (.not. right_shape("matrix_2", shape(matrix_2), [dim, dim])) return
+    ! Rows one after another, as C has them.
+    map = [transpose(matrix_1), vector_1, transpose(matrix_2), vector_2]
   end function
 
   ! The aggregate of values (n), with D the `unit`, and its derivatives: gradient (n), and hessian (n (n + 1) / 2), rows of the lower
@@ -3588,6 +3818,70 @@ contains
       size(fractions, 1, c_size_t), fractions), stat, errmsg)
   end subroutine
 
+  ! Makes `mesh` bound cells (n_cells), a set: closed, in the part's frame. `within` is KO_WITHIN_CELLS, so where it is absent, or
+  ! KO_WITHIN_ANYWHERE; each vertex is moved `rounds` times, 20 where it is absent, with 0 the mesh is the cells' faces. `listener` is told of
+  ! progress, on this thread.
+  subroutine part_mesh_of_cells(self, cells, mesh, within, rounds, listener, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    integer(c_int8_t), intent(in), contiguous :: cells(:)
+    type(keepout_mesh), intent(inout) :: mesh
+    integer(c_int32_t), intent(in), optional :: within
+    integer, intent(in), optional :: rounds
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(listener_box), target :: box
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data, handle
+    integer(c_int32_t) :: status, how(2)
+    progress = c_null_funptr
+    progress_data = c_null_ptr
+    if (present(listener)) call listen(box, listener, progress, progress_data)
+    how = boundary(within, rounds)
+    status = ko_part_mesh_of_cells(self%handle, cells, size(cells, 1, c_size_t), how(1), how(2), progress, progress_data, handle)
+    if (status >= KO_OK) call mesh_adopt(mesh, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! The same of the cells whose density is above `level`, 1/2 where it is absent, with densities (n_cells); the mesh is drawn to where the density
+  ! passes it.
+  subroutine part_mesh_of_densities(self, densities, mesh, level, within, rounds, listener, stat, errmsg)
+    class(keepout_part), intent(in) :: self
+    real(c_double), intent(in), contiguous :: densities(:)
+    type(keepout_mesh), intent(inout) :: mesh
+    real(c_double), intent(in), optional :: level
+    integer(c_int32_t), intent(in), optional :: within
+    integer, intent(in), optional :: rounds
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(listener_box), target :: box
+    type(c_funptr) :: progress
+    type(c_ptr) :: progress_data, handle
+    real(c_double) :: above
+    integer(c_int32_t) :: status, how(2)
+    progress = c_null_funptr
+    progress_data = c_null_ptr
+    if (present(listener)) call listen(box, listener, progress, progress_data)
+    above = 0.5_c_double
+    if (present(level)) above = level
+    how = boundary(within, rounds)
+    status = ko_part_mesh_of_densities(self%handle, densities, size(densities, 1, c_size_t), above, how(1), how(2), progress, &
+      progress_data, handle)
+    if (status >= KO_OK) call mesh_adopt(mesh, handle)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! Where a mesh may be and how often its vertices are moved, as C has them.
+  pure function boundary(within, rounds) result(how)
+    integer(c_int32_t), intent(in), optional :: within
+    integer, intent(in), optional :: rounds
+    integer(c_int32_t) :: how(2)
+    how = [KO_WITHIN_CELLS, 20_c_int32_t]
+    if (present(within)) how(1) = within
+    if (present(rounds)) how(2) = int(max(rounds, 0), c_int32_t)
+  end function
+
   ! Which cells of `still` this part's `cells`, without them all that it may have, pass over, into swept. A part without motion stays.
   subroutine part_sweep(self, motion, still, swept, still_motion, cells, options, listener, stat, errmsg)
     class(keepout_part), intent(in) :: self
@@ -3764,6 +4058,25 @@ contains
       size(densities_2, 1, c_size_t), given(n_threads), d21_d1, d21_d2, d12_d1, d12_d2), stat, errmsg)
   end subroutine
 
+  ! (B.1) and (B.2): how g21 changes, by the area or volume, as cells are put to both parts or taken from them, d21_d1 (n_1) and d21_d2 (n_2), and
+  ! g12. `change` is KO_CHANGE_PUT or KO_CHANGE_TAKE.
+  subroutine pair_topological_sensitivities(self, densities_1, densities_2, change, d21_d1, d21_d2, d12_d1, d12_d2, n_threads, &
+    stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    real(c_double), intent(in), contiguous :: densities_1(:), densities_2(:)
+    integer(c_int32_t), intent(in) :: change
+    real(c_double), intent(inout), contiguous :: d21_d1(:), d21_d2(:), d12_d1(:), d12_d2(:)
+    integer, intent(in), optional :: n_threads
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    if (.not. right_size("d21_d1", "entries", size(d21_d1), size(densities_1), stat, errmsg)) return
+    if (.not. right_size("d21_d2", "entries", size(d21_d2), size(densities_2), stat, errmsg)) return
+    if (.not. right_size("d12_d1", "entries", size(d12_d1), size(densities_1), stat, errmsg)) return
+    if (.not. right_size("d12_d2", "entries", size(d12_d2), size(densities_2), stat, errmsg)) return
+    call settle(ko_pair_topological_sensitivities(self%handle, densities_1, size(densities_1, 1, c_size_t), densities_2, &
+      size(densities_2, 1, c_size_t), change, given(n_threads), d21_d1, d21_d2, d12_d1, d12_d2), stat, errmsg)
+  end subroutine
+
   ! The initially colliding subdomains, (33) to (36): cells_1 (n_1) and cells_2 (n_2).
   subroutine pair_colliding(self, cells_1, cells_2, stat, errmsg)
     class(keepout_pair), intent(in) :: self
@@ -3802,13 +4115,16 @@ contains
   end subroutine
 
   ! The pair of the greatest weight, cells_1 (n_1) and cells_2 (n_2), its `weight`, the `bound` that proves it, and its gamma. Weights (n_1)
-  ! and (n_2) are areas or volumes where they are absent.
-  subroutine pair_cut(self, cells_1, cells_2, weight, bound, gamma, weights_1, weights_2, options, listener, stat, errmsg)
+  ! and (n_2) are areas or volumes where they are absent. With symmetries (2 dim (dim + 1), n), n maps of keepout_symmetry, it is the best of the
+  ! pairs that all of them carry onto themselves.
+  subroutine pair_cut(self, cells_1, cells_2, weight, bound, gamma, weights_1, weights_2, options, symmetries, listener, stat, &
+    errmsg)
     class(keepout_pair), intent(in) :: self
     integer(c_int8_t), intent(inout), contiguous :: cells_1(:), cells_2(:)
     real(c_double), intent(inout) :: weight, bound, gamma
     real(c_double), intent(in), contiguous, target, optional :: weights_1(:), weights_2(:)
     type(ko_family_options), intent(in), optional :: options
+    real(c_double), intent(in), contiguous, target, optional :: symmetries(:, :)
     class(keepout_listener), intent(inout), target, optional :: listener
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
@@ -3827,20 +4143,24 @@ contains
       if (.not. of_pair(self, "weights_2", size(weights_2), 2, stat, errmsg)) return
       from(2) = c_loc(weights_2)
     end if
+    if (present(symmetries)) then
+      if (.not. with_symmetries(self, symmetries, plain, stat, errmsg)) return
+    end if
     call settle(ko_pair_cut(self%handle, from(1), from(2), plain, size(cells_1, 1, c_size_t), size(cells_2, 1, c_size_t), cells_1, &
       cells_2, weight, bound, gamma), stat, errmsg)
   end subroutine
 
   ! A pair for each of gammas (n): cells_1 (n_1, n) and cells_2 (n_2, n), the gammas `reached` (n), what is left of the colliding cells,
-  ! volumes (2, n), and bounds (n). Weights as for cut.
-  subroutine pair_family(self, gammas, cells_1, cells_2, reached, volumes, bounds, weights_1, weights_2, options, listener, stat, &
-    errmsg)
+  ! volumes (2, n), and bounds (n). Weights and symmetries as for cut.
+  subroutine pair_family(self, gammas, cells_1, cells_2, reached, volumes, bounds, weights_1, weights_2, options, symmetries, &
+    listener, stat, errmsg)
     class(keepout_pair), intent(in) :: self
     real(c_double), intent(in), contiguous :: gammas(:)
     integer(c_int8_t), intent(inout), contiguous :: cells_1(:, :), cells_2(:, :)
     real(c_double), intent(inout), contiguous, target :: reached(:), volumes(:, :), bounds(:)
     real(c_double), intent(in), contiguous, target, optional :: weights_1(:), weights_2(:)
     type(ko_family_options), intent(in), optional :: options
+    real(c_double), intent(in), contiguous, target, optional :: symmetries(:, :)
     class(keepout_listener), intent(inout), target, optional :: listener
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
@@ -3866,10 +4186,29 @@ contains
       if (.not. of_pair(self, "weights_2", size(weights_2), 2, stat, errmsg)) return
       from(2) = c_loc(weights_2)
     end if
+    if (present(symmetries)) then
+      if (.not. with_symmetries(self, symmetries, plain, stat, errmsg)) return
+    end if
     call settle(ko_pair_family(self%handle, from(1), from(2), gammas, size(gammas, 1, c_size_t), plain, &
       size(cells_1, 1, c_size_t), size(cells_2, 1, c_size_t), cells_1, cells_2, c_loc(reached), c_loc(volumes), c_loc(bounds)), &
       stat, errmsg)
   end subroutine
+
+  ! Puts maps into the options of a cut. C takes their length from the pair, which must be right: of nothing held the call tells.
+  logical function with_symmetries(self, symmetries, options, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    real(c_double), intent(in), contiguous, target :: symmetries(:, :)
+    type(ko_family_options), intent(inout) :: options
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer :: right
+    right = 2 * self%width * (self%width + 1)
+    with_symmetries = self%width == 0
+    if (.not. with_symmetries) with_symmetries = right_size("symmetries", "rows", size(symmetries, 1), right, stat, errmsg)
+    options%symmetries = c_null_ptr
+    options%n_symmetries = size(symmetries, 2, c_size_t)
+    if (size(symmetries) > 0) options%symmetries = c_loc(symmetries)
+  end function
 
   ! Moving asymptotes, then closure: cells_1 (n_1) and cells_2 (n_2), and the densities before. history (5, n) gets V_1, V_2, g21, g12 and the
   ! change of each iterate, and must have a column more than there may be iterations. stat may be KO_BUDGET_REACHED, which is no error.
@@ -3937,9 +4276,195 @@ contains
       size(gaps, 1, c_size_t), given(n_threads), progress, progress_data, c_loc(gaps), to(1), to(2), largest, mean), stat, errmsg)
   end subroutine
 
+  ! Of the pairs that are as heavy as set_1 (n_1) and set_2 (n_2), which are of the greatest weight, such as those of a cut, one that keeps better
+  ! in touch: cells_1 (n_1) and cells_2 (n_2). `before` is the persistence of the sets, `after` that of the cells, `n_tries` the pairs that were
+  ! tried. Weights are those of the cut, absent where they were.
+  subroutine pair_more_persistent(self, set_1, set_2, cells_1, cells_2, before, after, weights_1, weights_2, options, n_tries, &
+    listener, stat, errmsg)
+    class(keepout_pair), intent(in) :: self
+    integer(c_int8_t), intent(in), contiguous :: set_1(:), set_2(:)
+    integer(c_int8_t), intent(inout), contiguous :: cells_1(:), cells_2(:)
+    real(c_double), intent(inout) :: before, after
+    real(c_double), intent(in), contiguous, target, optional :: weights_1(:), weights_2(:)
+    type(ko_persistence_options), intent(in), optional :: options
+    integer(c_size_t), intent(inout), optional :: n_tries
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_persistence_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: from(2)
+    integer(c_size_t) :: tried
+    integer(c_int32_t) :: status
+    if (.not. right_size("cells_1", "entries", size(cells_1), size(set_1), stat, errmsg)) return
+    if (.not. right_size("cells_2", "entries", size(cells_2), size(set_2), stat, errmsg)) return
+    plain = keepout_persistence_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    from = c_null_ptr
+    if (present(weights_1)) then
+      if (.not. of_pair(self, "weights_1", size(weights_1), 1, stat, errmsg)) return
+      from(1) = c_loc(weights_1)
+    end if
+    if (present(weights_2)) then
+      if (.not. of_pair(self, "weights_2", size(weights_2), 2, stat, errmsg)) return
+      from(2) = c_loc(weights_2)
+    end if
+    tried = 0
+    status = ko_pair_more_persistent(self%handle, set_1, set_2, from(1), from(2), plain, size(cells_1, 1, c_size_t), &
+      size(cells_2, 1, c_size_t), cells_1, cells_2, before, after, tried)
+    if (status >= KO_OK .and. present(n_tries)) n_tries = tried
+    call settle(status, stat, errmsg)
+  end subroutine
+
   ! For calls of keepout_c; it stays the pair's.
   pure function pair_c_handle(self) result(handle)
     class(keepout_pair), intent(in) :: self
+    type(c_ptr) :: handle
+    handle = self%handle
+  end function
+
+  ! Of parts (n_parts) and their motions (n_parts); a part whose motion holds nothing stays. stat may be KO_NEVER_MEET, which is no error. It refers
+  ! to neither parts nor motions. `listener` is told of progress.
+  subroutine assembly_create(self, parts, motions, options, listener, stat, errmsg)
+    class(keepout_assembly), intent(inout) :: self
+    type(keepout_part), intent(in) :: parts(:)
+    type(keepout_motion), intent(in) :: motions(:)
+    type(ko_pair_options), intent(in), optional :: options
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_pair_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: handle, of_parts(size(parts)), of_motions(size(parts))
+    integer(c_int32_t) :: status
+    integer :: k
+    if (.not. right_size("motions", "entries", size(motions), size(parts), stat, errmsg)) return
+    do k = 1, size(parts)
+      of_parts(k) = parts(k)%handle
+      of_motions(k) = motions(k)%handle
+    end do
+    plain = keepout_pair_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    status = ko_assembly_create(of_parts, of_motions, size(parts, 1, c_size_t), plain, handle)
+    if (status >= KO_OK) then
+      call self%free()
+      self%handle = handle
+      self%width = parts(1)%width
+      self%parts = size(parts)
+      self%n = sum(parts%n)
+    end if
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  subroutine assembly_free(self)
+    class(keepout_assembly), intent(inout) :: self
+    call ko_assembly_free(self%handle)
+    self%handle = c_null_ptr
+    self%width = 0
+    self%parts = 0
+    self%n = 0
+  end subroutine
+
+  ! 3 in space, 2 in the plane, 0 where nothing is held.
+  pure integer function assembly_dim(self)
+    class(keepout_assembly), intent(in) :: self
+    assembly_dim = self%width
+  end function
+
+  pure integer function assembly_n_parts(self)
+    class(keepout_assembly), intent(in) :: self
+    assembly_n_parts = self%parts
+  end function
+
+  ! Cells of all parts.
+  pure integer(c_size_t) function assembly_n_cells(self)
+    class(keepout_assembly), intent(in) :: self
+    assembly_n_cells = self%n
+  end function
+
+  subroutine assembly_report(self, report, stat, errmsg)
+    class(keepout_assembly), intent(in) :: self
+    type(ko_assembly_report), intent(inout) :: report
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    call settle(ko_assembly_get_report(self%handle, c_sizeof(report), report), stat, errmsg)
+  end subroutine
+
+  ! Allocates and fills meetings (2, n): pairs of parts of which some cells conflict, by their numbers from 0 on, the smaller one first.
+  subroutine assembly_copy_meetings(self, meetings, stat, errmsg)
+    class(keepout_assembly), intent(in) :: self
+    integer(c_size_t), allocatable, intent(out) :: meetings(:, :)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_assembly_report) :: report
+    integer(c_int32_t) :: status
+    integer :: failed
+    report%n_meetings = 0
+    status = ko_assembly_get_report(self%handle, c_sizeof(report), report)
+    allocate (meetings(2, report%n_meetings), stat=failed)
+    if (.not. has_room(failed, stat, errmsg)) return
+    if (status >= KO_OK) status = ko_assembly_copy_meetings(self%handle, size(meetings, 2, c_size_t), meetings)
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! From any sets (n_cells) to cells (n_cells) of parts that never collide and of which none can grow. Part by part in the order (n_parts), numbers
+  ! from 0 on, each keeps of its set what those before it leave; without it they are taken as they were given.
+  subroutine assembly_close(self, sets, cells, order, stat, errmsg)
+    class(keepout_assembly), intent(in) :: self
+    integer(c_int8_t), intent(in), contiguous :: sets(:)
+    integer(c_int8_t), intent(inout), contiguous :: cells(:)
+    integer, intent(in), optional :: order(:)
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    integer(c_size_t), target :: numbers(self%parts)
+    type(c_ptr) :: by
+    if (.not. right_size("sets", "entries", size(sets), size(cells), stat, errmsg)) return
+    by = c_null_ptr
+    if (present(order) .and. self%parts > 0) then
+      if (.not. right_size("order", "entries", size(order), self%parts, stat, errmsg)) return
+      numbers = int(order, c_size_t)
+      by = c_loc(numbers)
+    end if
+    call settle(ko_assembly_close(self%handle, sets, by, size(cells, 1, c_size_t), cells), stat, errmsg)
+  end subroutine
+
+  ! Parts of great weight that never collide and of which none can grow, cells (n_cells), their `weight`, and the `bound` that none weigh more than;
+  ! both are the same where parts that meet take two colours. Weights (n_cells) are areas or volumes where they are absent. `n_cuts` counts the
+  ! cuts that it took.
+  subroutine assembly_arrange(self, cells, weight, bound, weights, options, n_cuts, listener, stat, errmsg)
+    class(keepout_assembly), intent(in) :: self
+    integer(c_int8_t), intent(inout), contiguous :: cells(:)
+    real(c_double), intent(inout) :: weight, bound
+    real(c_double), intent(in), contiguous, target, optional :: weights(:)
+    type(ko_arrange_options), intent(in), optional :: options
+    integer(c_size_t), intent(inout), optional :: n_cuts
+    class(keepout_listener), intent(inout), target, optional :: listener
+    integer(c_int32_t), intent(out), optional :: stat
+    character(len=*), intent(inout), optional :: errmsg
+    type(ko_arrange_options) :: plain
+    type(listener_box), target :: box
+    type(c_ptr) :: from
+    integer(c_size_t) :: cuts
+    integer(c_int32_t) :: status
+    plain = keepout_arrange_options()
+    if (present(options)) plain = options
+    if (present(listener)) call listen(box, listener, plain%progress, plain%progress_data)
+    from = c_null_ptr
+    if (present(weights)) then
+      if (.not. right_size("weights", "entries", size(weights), size(cells), stat, errmsg)) return
+      if (size(weights) > 0) from = c_loc(weights)
+    end if
+    cuts = 0
+    status = ko_assembly_arrange(self%handle, from, plain, size(cells, 1, c_size_t), cells, weight, bound, cuts)
+    if (status >= KO_OK .and. present(n_cuts)) n_cuts = cuts
+    call settle(status, stat, errmsg)
+  end subroutine
+
+  ! For calls of keepout_c; it stays the assembly's.
+  pure function assembly_c_handle(self) result(handle)
+    class(keepout_assembly), intent(in) :: self
     type(c_ptr) :: handle
     handle = self%handle
   end function
@@ -3969,6 +4494,11 @@ contains
     call self%free()
   end subroutine
 
+  impure elemental subroutine assembly_final(self)
+    type(keepout_assembly), intent(inout) :: self
+    call self%free()
+  end subroutine
+
   subroutine motion_assign(left, right)
     class(keepout_motion), intent(inout) :: left
     class(keepout_motion), intent(in) :: right
@@ -3985,6 +4515,12 @@ contains
     class(keepout_pair), intent(inout) :: left
     class(keepout_pair), intent(in) :: right
     if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_pair cannot be assigned"
+  end subroutine
+
+  subroutine assembly_assign(left, right)
+    class(keepout_assembly), intent(inout) :: left
+    class(keepout_assembly), intent(in) :: right
+    if (c_associated(left%handle) .or. c_associated(right%handle)) error stop "keepout: a keepout_assembly cannot be assigned"
   end subroutine
 
   ! ---- Other formulations

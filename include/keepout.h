@@ -294,6 +294,16 @@
 #define KO_CELL_FROZEN 2
 
 /**
+ * The mesh lies in the cells: meshes of parts that do not collide do not.
+ */
+#define KO_WITHIN_CELLS 0
+
+/**
+ * About as much of the mesh lies outside of the cells as inside, which keeps their volume: meshes of parts that do not collide may.
+ */
+#define KO_WITHIN_ANYWHERE 1
+
+/**
  * Conflicts are those of whole cells at all times, none missed: parts without them never overlap.
  */
 #define KO_CONFLICTS_OF_OVERLAP 0
@@ -318,6 +328,23 @@
  * The part must lie within the cells of the body: an enclosure.
  */
 #define KO_STAY_IN 1
+
+/**
+ * Cells are put to a part.
+ */
+#define KO_CHANGE_PUT 0
+
+/**
+ * Cells are taken from a part.
+ */
+#define KO_CHANGE_TAKE 1
+
+/**
+ * Parts and their motions, any number of them: which of their cells conflict. Freed by `ko_assembly_free`.
+ *
+ * What takes a set of cells takes n_cells bytes, those of all parts, part after part in the order in which they were given; weights likewise.
+ */
+typedef struct ko_assembly ko_assembly;
 
 /**
  * Points of a design that move with it, and how densely they cover its surface. Freed by `ko_body_free`; constraints that were made of it
@@ -1052,8 +1079,7 @@ typedef struct ko_pair_options {
      */
     double clearance;
     /**
-     * Bytes that measures and a graph of overlap may take together; more is refused as soon as it is seen, with what it would take. Default
-     * 8 GiB.
+     * Bytes that measures and conflict graph may take together; more is refused as soon as it is seen, with what it would take. Default 8 GiB.
      */
     uint64_t max_bytes;
     /**
@@ -1087,6 +1113,29 @@ typedef struct ko_family_options {
      * each gamma. A cut is exact whatever it is. Default 0.005.
      */
     double gap;
+    /**
+     * Maps by which pairs shall be symmetric, [2 * dim * (dim + 1) * n_symmetries]; NULL (default) for none. Of each map a matrix A [dim * dim],
+     * row-major, and a vector b [dim] for part 1, then A and b for part 2: x goes to A x + b in the part's own frame, a turn or a mirror. They must
+     * carry the grids onto themselves, and conflicts onto conflicts; only whole orbits of cells are in a pair then.
+     */
+    const double *symmetries;
+    /**
+     * Maps.
+     */
+    size_t n_symmetries;
+    /**
+     * The fraction of the conflicts that may miss their images, in [0, 1), such as where steps of time are not carried onto steps; images that are
+     * missed count as conflicts. Default 0.
+     */
+    double symmetry_excess;
+    /**
+     * Threads for symmetries, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
     /**
      * Told of progress, or NULL (default).
      */
@@ -1143,6 +1192,48 @@ typedef struct ko_optimise_options {
      */
     void *progress_data;
 } ko_optimise_options;
+
+/**
+ * Options of `ko_pair_more_persistent`. Initialise by `ko_persistence_options_init`, then set what shall differ.
+ */
+typedef struct ko_persistence_options {
+    /**
+     * sizeof(ko_persistence_options), set by ko_persistence_options_init.
+     */
+    size_t struct_size;
+    /**
+     * h, the gap at which persistence is 1/2, in the unit of length; 0 (default): the edge of the larger of both parts' cells.
+     */
+    double scale;
+    /**
+     * gamma of the pairs that are looked at, from and to, in [0, 1]. Default 0 and 1.
+     */
+    double gammas[2];
+    /**
+     * Even times at which gaps are measured. Default 200.
+     */
+    uint64_t n_times;
+    /**
+     * Pairs that are tried, at most. Default 100.
+     */
+    uint64_t max_tries;
+    /**
+     * Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+     */
+    uint32_t n_threads;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_persistence_options;
 
 /**
  * What a pair is. Filled by `ko_pair_get_report`.
@@ -1223,6 +1314,66 @@ typedef struct ko_optimise_report {
      */
     int32_t converged;
 } ko_optimise_report;
+
+/**
+ * Options of `ko_assembly_arrange`. Initialise by `ko_arrange_options_init`, then set what shall differ.
+ */
+typedef struct ko_arrange_options {
+    /**
+     * sizeof(ko_arrange_options), set by ko_arrange_options_init.
+     */
+    size_t struct_size;
+    /**
+     * How often each team of parts is given a cut, at most. Default 20.
+     */
+    uint32_t max_rounds;
+    /**
+     * Teams that may be the first, each of which leads to a result of its own; at most. Default 4.
+     */
+    uint32_t max_starts;
+    /**
+     * Told of progress, or NULL (default).
+     */
+    ko_progress progress;
+    /**
+     * Handed to `progress`.
+     */
+    void *progress_data;
+} ko_arrange_options;
+
+/**
+ * What an assembly is. Filled by `ko_assembly_get_report`.
+ */
+typedef struct ko_assembly_report {
+    /**
+     * sizeof(ko_assembly_report) as the caller knows it.
+     */
+    size_t struct_size;
+    /**
+     * Cells of all parts' grids.
+     */
+    uint64_t n_cells;
+    /**
+     * Pairs of parts of which some cells conflict.
+     */
+    uint64_t n_meetings;
+    /**
+     * Pairs of cells that conflict.
+     */
+    uint64_t n_edges;
+    /**
+     * Bytes that the conflict graph takes.
+     */
+    uint64_t graph_bytes;
+    /**
+     * Parts.
+     */
+    uint32_t n_parts;
+    /**
+     * 2 or 3.
+     */
+    uint32_t dim;
+} ko_assembly_report;
 
 #ifdef __cplusplus
 extern "C" {
@@ -2633,6 +2784,43 @@ int32_t ko_part_fractions_of_cylinder(const struct ko_part *part,
                                       double *fractions);
 
 /**
+ * Makes the mesh that bounds `cells` [n_cells], a set of the part's cells, in the part's frame: closed, in the plane curves with the cells on
+ * their left, in space triangles whose normals point outwards.
+ *
+ * `within` is a KO_WITHIN_ constant. Each vertex is moved `rounds` times, 20 do; with 0 the mesh is the cells' faces. It lies within a cell of
+ * these, and is moved into a part by a quarter of its thickness there at most. Every edge has two triangles, every vertex one fan of them; where
+ * cells touch by an edge or a corner the mesh may touch itself. It is not proven that moved triangles do not pass through each other. `*mesh` is
+ * the caller's to free; a field is fitted to what `ko_mesh_sample` draws from it. `progress` is told of progress with `progress_data`, or NULL.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, another `within`; KO_ERR_DEGENERATE for no cells;
+ * KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's. Cost: some microseconds a face of a
+ * cell.
+ */
+int32_t ko_part_mesh_of_cells(const struct ko_part *part,
+                              const uint8_t *cells,
+                              size_t n_cells,
+                              int32_t within,
+                              uint32_t rounds,
+                              ko_progress progress,
+                              void *progress_data,
+                              struct ko_mesh **mesh);
+
+/**
+ * The same of the cells whose density is above `level`, with `densities` [n_cells] in [0, 1]; the mesh is drawn to where the density passes it.
+ *
+ * `level` is in [0, 1), mostly 1/2. With KO_WITHIN_CELLS the mesh lies in those cells. Errors, threads, cost: those of `ko_part_mesh_of_cells`;
+ * KO_ERR_INVALID_ARGUMENT for a density outside [0, 1], naming the first, and another level.
+ */
+int32_t ko_part_mesh_of_densities(const struct ko_part *part,
+                                  const double *densities,
+                                  size_t n_cells,
+                                  double level,
+                                  int32_t within,
+                                  uint32_t rounds,
+                                  ko_progress progress,
+                                  void *progress_data,
+                                  struct ko_mesh **mesh);
+
+/**
  * Fills `options` with the defaults. `struct_size` is sizeof *options.
  *
  * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
@@ -2652,6 +2840,13 @@ int32_t ko_family_options_init(struct ko_family_options *options, size_t struct_
  * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
  */
 int32_t ko_optimise_options_init(struct ko_optimise_options *options, size_t struct_size);
+
+/**
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+ */
+int32_t ko_persistence_options_init(struct ko_persistence_options *options, size_t struct_size);
 
 /**
  * Tells which cells of `still` a moving part passes over: `swept` [n_still] is 1 for each that a cell of `part` among `cells` [n_cells] overlaps
@@ -2783,6 +2978,27 @@ int32_t ko_pair_sensitivities(const struct ko_pair *pair,
                               double *d12_d2);
 
 /**
+ * Evaluates the topological sensitivities (B.1) and (B.2) of Morris and Behandish 2022: how g_21 changes, by the area or volume, as a cell is put
+ * to a part or taken from it, `d21_d1` [n_1] and `d21_d2` [n_2], and g_12, `d12_d1` [n_1] and `d12_d2` [n_2].
+ *
+ * `change` is a KO_CHANGE_ constant. They have no unit: what (B.5), (B.6) and (B.12) tend to, the fraction of the motion that the place is in the
+ * other part. Of a cell that the part fills there is nothing to put, of one that it has not there is nothing to take: 0. In cells that the
+ * surface cuts the paper leaves the limit open; here they have their shares, 1 - density and density.
+ * Errors, threads, cost: those of `ko_pair_sensitivities`; KO_ERR_INVALID_ARGUMENT for another change.
+ */
+int32_t ko_pair_topological_sensitivities(const struct ko_pair *pair,
+                                          const double *densities_1,
+                                          size_t n_1,
+                                          const double *densities_2,
+                                          size_t n_2,
+                                          int32_t change,
+                                          uint32_t n_threads,
+                                          double *d21_d1,
+                                          double *d21_d2,
+                                          double *d12_d1,
+                                          double *d12_d2);
+
+/**
  * Tells the initially colliding subdomains, (33) to (36) of Morris and Behandish 2022: the cells of each part that conflict with cells that the
  * other may have, sets `cells_1` [n_1] and `cells_2` [n_2]. Either may be NULL.
  *
@@ -2843,9 +3059,9 @@ int32_t ko_pair_close(const struct ko_pair *pair,
  * which is the proof. Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are;
  * others are rounded up to multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as
  * `ko_pair_volumes` tells. Of several best pairs it is always the same.
- * `options` NULL: the defaults; `gap` does not count.
+ * `options` NULL: the defaults; `gap` does not count. With symmetries it is the best of the pairs that all maps carry onto themselves.
  * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming
- * the first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some
+ * the first, a map that carries a cell onto none or a conflict onto none, naming them, and a frozen cell onto one that its part may not have; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some
  * seconds for 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.
  */
 int32_t ko_pair_cut(const struct ko_pair *pair,
@@ -2887,6 +3103,60 @@ int32_t ko_pair_family(const struct ko_pair *pair,
                        double *bounds);
 
 /**
+ * Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times:
+ * figure 11 of Morris and Behandish 2022.
+ *
+ * `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2,
+ * and `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
+ * `progress` is told of progress with `progress_data`, or NULL.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million;
+ * KO_ERR_DEGENERATE where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the
+ * caller's; `n_threads` is as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell
+ * of part 1.
+ */
+int32_t ko_pair_contact(const struct ko_pair *pair,
+                        const uint8_t *set_1,
+                        size_t n_1,
+                        const uint8_t *set_2,
+                        size_t n_2,
+                        size_t n_times,
+                        uint32_t n_threads,
+                        ko_progress progress,
+                        void *progress_data,
+                        double *gaps,
+                        size_t *cells,
+                        double *places,
+                        double *largest,
+                        double *mean);
+
+/**
+ * Finds among the pairs of the greatest weight one that keeps better in touch than `set_1` [n_1] and `set_2` [n_2], which is one of them, such
+ * as `ko_pair_cut` gives: `cells_1` [n_1] and `cells_2` [n_2], as heavy, free of collisions and maximal.
+ *
+ * Of gaps g at even times, as `ko_pair_contact` tells them, persistence is the mean of 1 / (1 + g / h), with h the options' scale: 1 where the
+ * parts never part, 1/2 where they always are h from each other. `*before` is that of the sets, `*after` that of the cells, at least the same,
+ * and `*n_tries` counts the pairs that were tried; each may be NULL. It is a local search, around the largest gaps. `weights_1` and
+ * `weights_2` are those that the sets are of the greatest weight by, as of `ko_pair_cut`; `options` NULL: the defaults.
+ * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, an entry that is not 0 or 1, sets that are not of
+ * the greatest weight, telling both weights in the cut's units, an option out of its range; KO_ERR_DEGENERATE where a part has no cells;
+ * KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's. Cost: a cut, and
+ * `ko_pair_contact` a try.
+ */
+int32_t ko_pair_more_persistent(const struct ko_pair *pair,
+                                const uint8_t *set_1,
+                                const uint8_t *set_2,
+                                const double *weights_1,
+                                const double *weights_2,
+                                const struct ko_persistence_options *options,
+                                size_t n_1,
+                                size_t n_2,
+                                uint8_t *cells_1,
+                                uint8_t *cells_2,
+                                double *before,
+                                double *after,
+                                size_t *n_tries);
+
+/**
  * Optimises densities by the method of moving asymptotes, (37) to (43) of Morris and Behandish 2022, and closes what it gives: `cells_1` [n_1]
  * and `cells_2` [n_2], a pair that never collides and cannot grow.
  *
@@ -2913,31 +3183,85 @@ int32_t ko_pair_optimise(const struct ko_pair *pair,
                          struct ko_optimise_report *report);
 
 /**
- * Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times:
- * figure 11 of Morris and Behandish 2022.
+ * Fills `options` with the defaults. `struct_size` is sizeof *options.
  *
- * `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2,
- * and `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
- * `progress` is told of progress with `progress_data`, or NULL.
- * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million;
- * KO_ERR_DEGENERATE where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the
- * caller's; `n_threads` is as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell
- * of part 1.
+ * Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
  */
-int32_t ko_pair_contact(const struct ko_pair *pair,
-                        const uint8_t *set_1,
-                        size_t n_1,
-                        const uint8_t *set_2,
-                        size_t n_2,
-                        size_t n_times,
-                        uint32_t n_threads,
-                        ko_progress progress,
-                        void *progress_data,
-                        double *gaps,
-                        size_t *cells,
-                        double *places,
-                        double *largest,
-                        double *mean);
+int32_t ko_arrange_options_init(struct ko_arrange_options *options, size_t struct_size);
+
+/**
+ * Makes an assembly of `parts` [n_parts] and `motions` [n_parts]: `motions[k]` takes part k's frame to the world; NULL: the part stays.
+ *
+ * Conflicts are those of overlap, as `ko_pair_create` makes them, of all pairs of parts whose swept boxes meet. Of `options` `slack`, `n_steps`,
+ * `clearance`, `max_bytes`, `n_threads` and `progress` are taken; NULL: the defaults. `max_bytes` holds for the graphs of pairs and of all
+ * together. `*assembly` is the caller's to free; it refers to neither parts nor motions.
+ * Returns KO_NEVER_MEET, a success, where no cell meets one of another part. Errors: KO_ERR_INVALID_ARGUMENT for no parts, different dimensions,
+ * more than 2^32 - 2 cells in all, other conflicts or measures asked for, and for frozen cells of two parts that collide, naming two of them, and
+ * when and where they do; the others of `ko_pair_create`. Threads: any; `progress` is called on the caller's. Cost: that of `ko_pair_create` for
+ * each pair that may meet.
+ */
+int32_t ko_assembly_create(const struct ko_part *const *parts,
+                           const struct ko_motion *const *motions,
+                           size_t n_parts,
+                           const struct ko_pair_options *options,
+                           struct ko_assembly **assembly);
+
+/**
+ * Frees an assembly. NULL is taken. No other thread may be using it.
+ */
+void ko_assembly_free(struct ko_assembly *assembly);
+
+/**
+ * Tells what an assembly is; `report_size` is sizeof *report.
+ *
+ * Errors: KO_ERR_INVALID_ARGUMENT. Threads: any number at once. Cost: none.
+ */
+int32_t ko_assembly_get_report(const struct ko_assembly *assembly,
+                               size_t report_size,
+                               struct ko_assembly_report *report);
+
+/**
+ * Copies the pairs of parts of which some cells conflict to `meetings` [2 * n_meetings]: numbers of parts, from 0 on, the smaller one first.
+ *
+ * `n_meetings` must be that of `ko_assembly_get_report`. Errors: KO_ERR_INVALID_ARGUMENT. Threads: any number at once. Cost: a copy.
+ */
+int32_t ko_assembly_copy_meetings(const struct ko_assembly *assembly,
+                                  size_t n_meetings,
+                                  size_t *meetings);
+
+/**
+ * Closes an assembly: from any `sets` [n_cells] to `cells` [n_cells], parts that never collide and of which none can grow.
+ *
+ * Part by part in the `order` [n_parts], numbers from 0 on, each keeps of its set what those before it leave; then all take up what is left.
+ * NULL: in the order in which they were given. `n_cells` must be that of `ko_assembly_get_report`. Errors: KO_ERR_INVALID_ARGUMENT for another
+ * number of cells, an entry that is not 0 or 1, an order that does not name each part once; KO_ERR_OUT_OF_MEMORY. Threads: any number at once.
+ * Cost: two passes over the edges.
+ */
+int32_t ko_assembly_close(const struct ko_assembly *assembly,
+                          const uint8_t *sets,
+                          const size_t *order,
+                          size_t n_cells,
+                          uint8_t *cells);
+
+/**
+ * Finds parts of great weight among all that never collide, `cells` [n_cells], of which none can grow; the heaviest where parts can be given two
+ * colours so that those that meet differ, as in a train of gears.
+ *
+ * `weights` [n_cells], at least 0, are what cells count for; NULL: the cell's area or volume. They are rounded as by `ko_pair_cut`. `*weight` is
+ * that of all cells, and `*bound` what no parts weigh more than, by the double cover of the conflict graph (Nemhauser and Trotter 1975): at most
+ * bound - weight is lost. `*n_cuts` counts the cuts that it took. Each of the three may be NULL. `options` NULL: the defaults. Where three parts
+ * meet each other, teams of two colours get a cut in turn until none gains.
+ * Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, a weight that is below 0 or not finite, naming the first, 0 rounds or starts;
+ * KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: cuts.
+ */
+int32_t ko_assembly_arrange(const struct ko_assembly *assembly,
+                            const double *weights,
+                            const struct ko_arrange_options *options,
+                            size_t n_cells,
+                            uint8_t *cells,
+                            double *weight,
+                            double *bound,
+                            size_t *n_cuts);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -260,6 +260,22 @@ struct OptimiseOptions : ko_optimise_options {
     OnProgress on_progress;
 };
 
+/// ko_persistence_options with the defaults.
+struct PersistenceOptions : ko_persistence_options {
+    PersistenceOptions() : ko_persistence_options() {
+        detail::check(ko_persistence_options_init(this, sizeof(ko_persistence_options)));
+    }
+
+    OnProgress on_progress;
+};
+
+/// ko_arrange_options with the defaults.
+struct ArrangeOptions : ko_arrange_options {
+    ArrangeOptions() : ko_arrange_options() { detail::check(ko_arrange_options_init(this, sizeof(ko_arrange_options))); }
+
+    OnProgress on_progress;
+};
+
 namespace detail {
 
 /// Stands between C and an on_progress: no exception passes.
@@ -294,6 +310,18 @@ std::int32_t listened(const Options &options, const Call &call) {
     check(status);
     return status;
 }
+
+/// What stands for the options of calls that have none but these.
+struct Told {
+    ko_progress progress;
+    void *progress_data;
+};
+
+struct Listening : Told {
+    explicit Listening(OnProgress listener) : Told{nullptr, nullptr}, on_progress(std::move(listener)) {}
+
+    OnProgress on_progress;
+};
 
 /// The same of `call(plain, &handle)`; `free` takes the handle where on_progress threw.
 template <class Plain, class Options, class T, class Call>
@@ -1245,9 +1273,10 @@ void with_law(const Law &law, const Call &call) {
     check(call(&plain));
 }
 
-inline const double *or_null(Span<const double> numbers) noexcept { return numbers.empty() ? nullptr : numbers.data(); }
-
-inline const std::uint8_t *or_null(Span<const std::uint8_t> set) noexcept { return set.empty() ? nullptr : set.data(); }
+template <class T>
+const T *or_null(Span<const T> numbers) noexcept {
+    return numbers.empty() ? nullptr : numbers.data();
+}
 
 } // namespace detail
 
@@ -1509,6 +1538,30 @@ public:
         });
     }
 
+    /// The mesh that bounds a set of cells: closed, within the cells with KO_WITHIN_CELLS.
+    Mesh mesh_of_cells(Span<const std::uint8_t> cells, std::int32_t within = KO_WITHIN_CELLS, std::uint32_t rounds = 20,
+                       const OnProgress &on_progress = {}) const {
+        ko_mesh *handle = nullptr;
+        detail::listened<detail::Told>(
+            detail::Listening(on_progress), handle, ko_mesh_free, [&](const detail::Told &plain, ko_mesh **mesh) {
+                return ko_part_mesh_of_cells(get(), cells.data(), cells.size(), within, rounds, plain.progress,
+                                             plain.progress_data, mesh);
+            });
+        return Mesh(handle);
+    }
+
+    /// The same of the cells whose density is above `level`.
+    Mesh mesh_of_densities(Span<const double> densities, double level = 0.5, std::int32_t within = KO_WITHIN_CELLS,
+                           std::uint32_t rounds = 20, const OnProgress &on_progress = {}) const {
+        ko_mesh *handle = nullptr;
+        detail::listened<detail::Told>(
+            detail::Listening(on_progress), handle, ko_mesh_free, [&](const detail::Told &plain, ko_mesh **mesh) {
+                return ko_part_mesh_of_densities(get(), densities.data(), densities.size(), level, within, rounds,
+                                                 plain.progress, plain.progress_data, mesh);
+            });
+        return Mesh(handle);
+    }
+
     const ko_part *get() const noexcept { return handle_.get(); }
     ko_part *get() noexcept { return handle_.get(); }
 
@@ -1591,6 +1644,18 @@ public:
         detail::check(ko_pair_sensitivities(get(), densities_1.data(), n_1, densities_2.data(), n_2, n_threads,
                                             found.g21.first.data(), found.g21.second.data(), found.g12.first.data(),
                                             found.g12.second.data()));
+        return found;
+    }
+
+    /// (B.1) and (B.2), by `change`, KO_CHANGE_PUT or KO_CHANGE_TAKE.
+    Sensitivities topological_sensitivities(Span<const double> densities_1, Span<const double> densities_2,
+                                            std::int32_t change, std::uint32_t n_threads = 0) const {
+        const std::size_t n_1 = densities_1.size(), n_2 = densities_2.size();
+        Sensitivities found{{std::vector<double>(n_1), std::vector<double>(n_2)},
+                            {std::vector<double>(n_1), std::vector<double>(n_2)}};
+        detail::check(ko_pair_topological_sensitivities(get(), densities_1.data(), n_1, densities_2.data(), n_2, change,
+                                                        n_threads, found.g21.first.data(), found.g21.second.data(),
+                                                        found.g12.first.data(), found.g12.second.data()));
         return found;
     }
 
@@ -1718,23 +1783,34 @@ public:
     /// Gaps of a pair that does not collide, at even times.
     Contact contact(const CellSets &sets, std::size_t n_times, std::uint32_t n_threads = 0,
                     const OnProgress &on_progress = {}) const {
-        struct Told {
-            ko_progress progress;
-            void *progress_data;
-        };
-        struct Options : Told {
-            OnProgress on_progress;
-        };
-        Options options;
-        options.progress = nullptr;
-        options.progress_data = nullptr;
-        options.on_progress = on_progress;
         Contact found{std::vector<double>(n_times), std::vector<std::size_t>(2 * n_times), std::vector<double>(dim_ * n_times),
                       0.0, 0.0};
-        detail::listened<Told>(options, [&](const Told &plain) {
+        detail::listened<detail::Told>(detail::Listening(on_progress), [&](const detail::Told &plain) {
             return ko_pair_contact(get(), sets.first.data(), sets.first.size(), sets.second.data(), sets.second.size(), n_times,
                                    n_threads, plain.progress, plain.progress_data, found.gaps.data(), found.cells.data(),
                                    found.places.data(), &found.largest, &found.mean);
+        });
+        return found;
+    }
+
+    struct Persistent {
+        CellSets cells;
+        double before; ///< persistence of the sets
+        double after;  ///< that of the cells
+        std::size_t n_tries;
+    };
+
+    /// Of the pairs as heavy as `sets`, one of the greatest weight by these weights, one that keeps better in touch; weights as in cut().
+    Persistent more_persistent(const CellSets &sets, Span<const double> weights_1 = {}, Span<const double> weights_2 = {},
+                               const PersistenceOptions &options = {}) const {
+        detail::check_size("the first set", sets.first.size(), n_1_);
+        detail::check_size("the second set", sets.second.size(), n_2_);
+        check_weights(weights_1, weights_2);
+        Persistent found{none(), 0.0, 0.0, 0};
+        detail::listened<ko_persistence_options>(options, [&](const ko_persistence_options &plain) {
+            return ko_pair_more_persistent(get(), sets.first.data(), sets.second.data(), detail::or_null(weights_1),
+                                           detail::or_null(weights_2), &plain, n_1_, n_2_, found.cells.first.data(),
+                                           found.cells.second.data(), &found.before, &found.after, &found.n_tries);
         });
         return found;
     }
@@ -1758,6 +1834,93 @@ private:
     std::uint32_t dim_ = detail::dim_of_none;
     std::size_t n_1_ = 0;
     std::size_t n_2_ = 0;
+};
+
+/// Any number of parts, none of which collides with another. Sets and weights are of the cells of all parts, part after part. Any number of
+/// threads may use one at once.
+class Assembly {
+public:
+    /// Takes ownership of `handle`.
+    explicit Assembly(ko_assembly *handle) : handle_(handle) {
+        if (handle != nullptr) {
+            n_cells_ = static_cast<std::size_t>(report().n_cells);
+        }
+    }
+
+    /// It refers to neither parts nor motions, of which there is one for each; nullptr: the part stays. Where none meet, meetings() is empty.
+    static Assembly create(Span<const Part *const> parts, Span<const Motion *const> motions, const PairOptions &options = {}) {
+        detail::check_size("motions", motions.size(), parts.size());
+        std::vector<const ko_part *> of_c;
+        std::vector<const ko_motion *> by_c;
+        for (std::size_t k = 0; k < parts.size(); k++) {
+            const Part *part = parts.data()[k];
+            const Motion *motion = motions.data()[k];
+            of_c.push_back(part == nullptr ? nullptr : part->get());
+            by_c.push_back(motion == nullptr ? nullptr : motion->get());
+        }
+        ko_assembly *handle = nullptr;
+        const auto make = [&](const ko_pair_options &plain, ko_assembly **assembly) {
+            return ko_assembly_create(of_c.data(), by_c.data(), of_c.size(), &plain, assembly);
+        };
+        detail::listened<ko_pair_options>(options, handle, ko_assembly_free, make);
+        return Assembly(handle);
+    }
+
+    ko_assembly_report report() const {
+        ko_assembly_report report;
+        detail::check(ko_assembly_get_report(get(), sizeof report, &report));
+        return report;
+    }
+
+    /// Pairs of parts of which some cells conflict, the smaller number first.
+    std::vector<std::array<std::size_t, 2>> meetings() const {
+        const std::size_t n = static_cast<std::size_t>(report().n_meetings);
+        std::vector<std::size_t> numbers(2 * n);
+        detail::check(ko_assembly_copy_meetings(get(), n, numbers.data()));
+        std::vector<std::array<std::size_t, 2>> found;
+        for (std::size_t k = 0; k < n; k++) {
+            found.push_back({numbers[2 * k], numbers[2 * k + 1]});
+        }
+        return found;
+    }
+
+    /// From any sets to parts that never collide and of which none can grow; `order` [n_parts], empty: in that in which they were given.
+    CellSet close(Span<const std::uint8_t> sets, Span<const std::size_t> order = {}) const {
+        if (!order.empty()) {
+            detail::check_size("order", order.size(), report().n_parts);
+        }
+        CellSet cells(n_cells_);
+        detail::check_size("sets", sets.size(), n_cells_);
+        detail::check(ko_assembly_close(get(), sets.data(), detail::or_null(order), n_cells_, cells.data()));
+        return cells;
+    }
+
+    struct Arrangement {
+        CellSet cells;
+        double weight;
+        double bound; ///< no parts weigh more
+        std::size_t n_cuts;
+    };
+
+    /// Parts of great weight that never collide; weights [n_cells], empty: areas or volumes.
+    Arrangement arrange(Span<const double> weights = {}, const ArrangeOptions &options = {}) const {
+        if (!weights.empty()) {
+            detail::check_size("weights", weights.size(), n_cells_);
+        }
+        Arrangement found{CellSet(n_cells_), 0.0, 0.0, 0};
+        detail::listened<ko_arrange_options>(options, [&](const ko_arrange_options &plain) {
+            return ko_assembly_arrange(get(), detail::or_null(weights), &plain, n_cells_, found.cells.data(), &found.weight,
+                                       &found.bound, &found.n_cuts);
+        });
+        return found;
+    }
+
+    const ko_assembly *get() const noexcept { return handle_.get(); }
+    ko_assembly *get() noexcept { return handle_.get(); }
+
+private:
+    detail::Handle<ko_assembly, ko_assembly_free> handle_;
+    std::size_t n_cells_ = 0;
 };
 
 } // namespace keepout

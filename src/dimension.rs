@@ -1,5 +1,7 @@
 //! The plane or space, where only a file or a caller at run time can tell.
 
+use crate::Error;
+
 /// A thing of the plane, `P`, or of space, `S`.
 #[derive(Debug, Clone)]
 pub enum OfDimension<P, S> {
@@ -33,6 +35,17 @@ impl<P, S> OfDimension<P, S> {
             OfDimension::Space(thing) => Some(thing),
         }
     }
+}
+
+/// The error of things that are named, each with its dimension, where it must be the same.
+pub fn differ(dims: &[(&str, u32)]) -> Error {
+    let dims: Vec<String> = dims.iter().map(|(what, dim)| format!("{what} dim {dim}")).collect();
+    Error::InvalidArgument(format!("{}; they must be the same", dims.join(", ")))
+}
+
+/// The error of a dimension that there is not.
+pub fn no_dim(dim: u32) -> Error {
+    Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))
 }
 
 /// Does the same with what is in an [`OfDimension`], in whichever dimension it is.

@@ -36,6 +36,15 @@ impl<'a> Progress<'a> {
         }
         Ok(())
     }
+
+    /// Does a part of the work, of which a fraction f is the fraction `from` + (`to` - `from`) f of all.
+    pub fn part<T>(&mut self, from: f64, to: f64, work: impl FnOnce(&mut Progress<'_>) -> T) -> T {
+        let mut relay = |fraction: f64, stage: &str| match self.tell(from + (to - from) * fraction, stage) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        };
+        work(&mut Progress::new(&mut relay))
+    }
 }
 
 #[cfg(test)]
@@ -54,5 +63,19 @@ mod tests {
             progress.tell(fraction, "stage").unwrap();
         }
         assert_eq!(told, [0.1, 0.5, 0.5, 0.5, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn parts_tell_their_share_and_are_cancelled_with_the_whole() {
+        let mut told = Vec::new();
+        let mut listen = |fraction: f64, _: &str| {
+            told.push(fraction);
+            if fraction < 0.75 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
+        let mut progress = Progress::new(&mut listen);
+        progress.part(0.0, 0.5, |p| p.tell(0.5, "first")).unwrap();
+        let end = progress.part(0.5, 1.0, |p| p.tell(0.25, "second").and_then(|()| p.tell(0.5, "second")));
+        assert!(matches!(end, Err(Error::Cancelled)));
+        assert_eq!(told, [0.25, 0.625, 0.75]);
     }
 }

@@ -121,6 +121,21 @@ fn cogen() {
 }
 
 #[test]
+fn pair_choices() {
+    run("pair_choices", &[]);
+}
+
+#[test]
+fn part_meshes() {
+    run("part_meshes", &[]);
+}
+
+#[test]
+fn assemblies() {
+    run("assemblies", &[]);
+}
+
+#[test]
 fn cogen_errors() {
     run("cogen_errors", &[]);
 }

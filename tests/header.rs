@@ -27,10 +27,14 @@ fn generated() -> Vec<u8> {
         "formulations",
         "motion",
         "part",
+        "part_mesh",
         "pair_options",
         "sweep",
         "pair",
         "pair_shapes",
+        "pair_contact",
+        "pair_optimise",
+        "assembly",
     ];
     let builder = files.iter().fold(cbindgen::Builder::new().with_config(config), |builder, file| {
         builder.with_src(root.join(format!("src/ffi/{file}.rs")))
@@ -74,6 +78,8 @@ fn the_header_tells_the_defaults_of_the_code() {
     let s = keepout::geometry::smooth::SmoothOptions::default();
     let c = keepout::field::CertifyOptions::default();
     let o = keepout::cogen::OptimiseOptions::default();
+    let p = keepout::cogen::PersistenceOptions::default();
+    let a = keepout::cogen::ArrangeOptions::default();
     let e = keepout::constraint::formulations::ExplicitOptions::default();
     let defaults = [
         ("reweightings", f64::from(d.reweightings)),
@@ -96,6 +102,10 @@ fn the_header_tells_the_defaults_of_the_code() {
         ("gap", keepout::cogen::FamilyOptions::default().gap),
         ("gamma", o.gamma),
         ("feasibility", o.feasibility),
+        ("n_times", p.n_times as f64),
+        ("max_tries", p.max_tries as f64),
+        ("max_rounds", a.max_rounds as f64),
+        ("max_starts", a.max_starts as f64),
     ];
     for (field, default) in defaults {
         assert_eq!(documented_default(&header, field), default, "{field}");

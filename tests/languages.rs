@@ -382,6 +382,8 @@ fn python_constant(name: &str) -> (Option<&'static str>, String) {
         ("EXPLICIT_", "Formulation"),
         ("CELL_", "Cell"),
         ("CONFLICTS_", "Conflicts"),
+        ("WITHIN_", "Within"),
+        ("CHANGE_", "Change"),
     ];
     let short = name.trim_start_matches("KO_").replace("CAPABILITY_3D", "CAPABILITY_SPACE");
     let short = short.replace("CAPABILITY_2D", "CAPABILITY_PLANE");

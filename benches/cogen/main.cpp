@@ -9,6 +9,7 @@ int main(int argc, char **argv) {
                          {"sensitivities", sensitivities},
                          {"safety", safety},
                          {"family", family},
+                         {"assembly", assembly},
                          {"table", table},
                          {"growth", growth}});
 }

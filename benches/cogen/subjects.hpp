@@ -10,6 +10,7 @@ void exact(const Data &data);          // closures, cuts and unsweeps against br
 void sensitivities(const Data &data);  // against differences, and against sums over all pairs of cells
 void safety(const Data &data);         // no penetration between samples in space and time
 void family(const Data &data);         // totals over gamma, their bound, and moving asymptotes beside them
+void assembly(const Data &data);       // ten parts, beside their bound
 void table(const Data &data);          // seconds and memory of the paper's cases
 void growth(const Data &data);         // seconds and memory against resolution
 

@@ -20,6 +20,9 @@ size_t layout_family_options(size_t *offsets);
 size_t layout_optimise_options(size_t *offsets);
 size_t layout_pair_report(size_t *offsets);
 size_t layout_optimise_report(size_t *offsets);
+size_t layout_persistence_options(size_t *offsets);
+size_t layout_arrange_options(size_t *offsets);
+size_t layout_assembly_report(size_t *offsets);
 
 #define PUT(field) *offsets++ = offsetof(STRUCT, field)
 
@@ -252,6 +255,11 @@ size_t layout_pair_options(size_t *offsets) {
 size_t layout_family_options(size_t *offsets) {
     PUT(struct_size);
     PUT(gap);
+    PUT(symmetries);
+    PUT(n_symmetries);
+    PUT(symmetry_excess);
+    PUT(n_threads);
+    PUT(reserved);
     PUT(progress);
     PUT(progress_data);
     return sizeof(STRUCT);
@@ -299,6 +307,45 @@ size_t layout_optimise_report(size_t *offsets) {
     PUT(change);
     PUT(n_iterations);
     PUT(converged);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_persistence_options
+size_t layout_persistence_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(scale);
+    PUT(gammas);
+    PUT(n_times);
+    PUT(max_tries);
+    PUT(n_threads);
+    PUT(reserved);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_arrange_options
+size_t layout_arrange_options(size_t *offsets) {
+    PUT(struct_size);
+    PUT(max_rounds);
+    PUT(max_starts);
+    PUT(progress);
+    PUT(progress_data);
+    return sizeof(STRUCT);
+}
+#undef STRUCT
+
+#define STRUCT ko_assembly_report
+size_t layout_assembly_report(size_t *offsets) {
+    PUT(struct_size);
+    PUT(n_cells);
+    PUT(n_meetings);
+    PUT(n_edges);
+    PUT(graph_bytes);
+    PUT(n_parts);
+    PUT(dim);
     return sizeof(STRUCT);
 }
 #undef STRUCT

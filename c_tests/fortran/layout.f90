@@ -116,6 +116,24 @@ module layout
       integer(c_size_t), intent(inout) :: offsets(*)
       integer(c_size_t) :: bytes
     end function
+
+    function layout_persistence_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_arrange_options(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
+
+    function layout_assembly_report(offsets) bind(c) result(bytes)
+      import :: c_size_t
+      integer(c_size_t), intent(inout) :: offsets(*)
+      integer(c_size_t) :: bytes
+    end function
   end interface
 
 contains
@@ -139,6 +157,9 @@ contains
     call check_optimise_options()
     call check_pair_report()
     call check_optimise_report()
+    call check_persistence_options()
+    call check_arrange_options()
+    call check_assembly_report()
   end subroutine
 
   ! Bytes from `start` to `field`.
@@ -388,12 +409,17 @@ contains
 
   subroutine check_family_options()
     type(ko_family_options), target :: x
-    integer(c_size_t) :: right(4), found(4)
+    integer(c_size_t) :: right(9), found(9)
     call equal(c_sizeof(x), layout_family_options(right), "bytes of ko_family_options")
     found(1) = offset(c_loc(x), c_loc(x%struct_size))
     found(2) = offset(c_loc(x), c_loc(x%gap))
-    found(3) = offset(c_loc(x), c_loc(x%progress))
-    found(4) = offset(c_loc(x), c_loc(x%progress_data))
+    found(3) = offset(c_loc(x), c_loc(x%symmetries))
+    found(4) = offset(c_loc(x), c_loc(x%n_symmetries))
+    found(5) = offset(c_loc(x), c_loc(x%symmetry_excess))
+    found(6) = offset(c_loc(x), c_loc(x%n_threads))
+    found(7) = offset(c_loc(x), c_loc(x%reserved))
+    found(8) = offset(c_loc(x), c_loc(x%progress))
+    found(9) = offset(c_loc(x), c_loc(x%progress_data))
     call holds(all(found == right), "offsets in ko_family_options")
   end subroutine
 
@@ -443,5 +469,47 @@ contains
     found(6) = offset(c_loc(x), c_loc(x%n_iterations))
     found(7) = offset(c_loc(x), c_loc(x%converged))
     call holds(all(found == right), "offsets in ko_optimise_report")
+  end subroutine
+
+  subroutine check_persistence_options()
+    type(ko_persistence_options), target :: x
+    integer(c_size_t) :: right(9), found(9)
+    call equal(c_sizeof(x), layout_persistence_options(right), "bytes of ko_persistence_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%scale))
+    found(3) = offset(c_loc(x), c_loc(x%gammas))
+    found(4) = offset(c_loc(x), c_loc(x%n_times))
+    found(5) = offset(c_loc(x), c_loc(x%max_tries))
+    found(6) = offset(c_loc(x), c_loc(x%n_threads))
+    found(7) = offset(c_loc(x), c_loc(x%reserved))
+    found(8) = offset(c_loc(x), c_loc(x%progress))
+    found(9) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_persistence_options")
+  end subroutine
+
+  subroutine check_arrange_options()
+    type(ko_arrange_options), target :: x
+    integer(c_size_t) :: right(5), found(5)
+    call equal(c_sizeof(x), layout_arrange_options(right), "bytes of ko_arrange_options")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%max_rounds))
+    found(3) = offset(c_loc(x), c_loc(x%max_starts))
+    found(4) = offset(c_loc(x), c_loc(x%progress))
+    found(5) = offset(c_loc(x), c_loc(x%progress_data))
+    call holds(all(found == right), "offsets in ko_arrange_options")
+  end subroutine
+
+  subroutine check_assembly_report()
+    type(ko_assembly_report), target :: x
+    integer(c_size_t) :: right(7), found(7)
+    call equal(c_sizeof(x), layout_assembly_report(right), "bytes of ko_assembly_report")
+    found(1) = offset(c_loc(x), c_loc(x%struct_size))
+    found(2) = offset(c_loc(x), c_loc(x%n_cells))
+    found(3) = offset(c_loc(x), c_loc(x%n_meetings))
+    found(4) = offset(c_loc(x), c_loc(x%n_edges))
+    found(5) = offset(c_loc(x), c_loc(x%graph_bytes))
+    found(6) = offset(c_loc(x), c_loc(x%n_parts))
+    found(7) = offset(c_loc(x), c_loc(x%dim))
+    call holds(all(found == right), "offsets in ko_assembly_report")
   end subroutine
 end module

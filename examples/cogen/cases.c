@@ -9,7 +9,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-const char *const STUDIES[] = {"gears", "cam", "cam_3d", "bolt", NULL};
+const char *const STUDIES[] = {"gears", "cam", "cam_diamond", "cam_3d", "bolt", NULL};
 
 /* f(t) = slope t, or with waves too. */
 static ko_law law_of(double offset, double slope, const double *waves, size_t n_waves)
@@ -44,16 +44,27 @@ static bool make_gears(struct study *study)
            succeeded(ko_motion_gears(centers, 1, 1, &study->motions[0], &study->motions[1]), "making the gears' motions");
 }
 
-/* 5.2: a square turns, and a rectangle above it goes up and down twice, (44). */
-static bool make_cam(struct study *study)
+/* 5.2: a square turns, from `start` on, and a rectangle above it goes up and down twice, (44). */
+static bool make_cam_from(double start, struct study *study)
 {
     const size_t n = study->cells, cam[2] = {n, n}, follower[2] = {n, n / 2};
     const double corners[2][2] = {{-0.5, -0.5}, {-0.5, -0.25}}, center[2] = {0, 0}, up[2] = {0, 1};
     const double wave[3] = {0.125, 2, 0};
-    const ko_law turn = law_of(0, 2 * PI, NULL, 0), lift = law_of(0.75, 0, wave, 1);
+    const ko_law turn = law_of(start, 2 * PI, NULL, 0), lift = law_of(0.75, 0, wave, 1);
     return make_part(study, 0, corners[0], cam) && make_part(study, 1, corners[1], follower) &&
            succeeded(ko_motion_turn(center, &turn, &study->motions[0]), "making the cam's motion") &&
            succeeded(ko_motion_slide(2, up, &lift, &study->motions[1]), "making the follower's motion");
+}
+
+static bool make_cam(struct study *study)
+{
+    return make_cam_from(0, study);
+}
+
+/* From the cam's corner on: as the follower is highest, so is the cam. */
+static bool make_cam_diamond(struct study *study)
+{
+    return make_cam_from(PI / 4, study);
 }
 
 /* (46), the follower's turn about x by |sin(2 pi t)| / 2; (45) and (46) turn the other way round than the right hand. */
@@ -102,6 +113,7 @@ bool study_make(const char *name, size_t cells, struct study *study)
     } kinds[] = {
         {"gears: two squares that turn against each other", 2, 400, 500, 0.5, make_gears},
         {"cam and follower", 2, 400, 1000, 0.8, make_cam},
+        {"cam and follower, from the cam's corner on", 2, 400, 1000, 0.8, make_cam_diamond},
         {"cam and follower in space", 3, 105, 5000, 0.5, make_cam_3d},
         {"nut and bolt", 3, 50, 5000, 0.2, make_bolt},
     };

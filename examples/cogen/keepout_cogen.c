@@ -26,7 +26,7 @@ static void usage(FILE *file)
     for (size_t i = 0; STUDIES[i] != NULL; ++i)
         fprintf(file, " %s", STUDIES[i]);
     fputs("\n"
-          "  --cells N      cells along the parts' edge L; those of the paper otherwise, 400, 400, 105, 50\n"
+          "  --cells N      cells along the parts' edge L; those of the paper otherwise, 400 in the plane, then 105 and 50\n"
           "  --pairs N      pairs of the family, for gammas from 0 to 1; 11 otherwise, in space 5\n"
           "  --gamma X      shows the pair that is nearest to this; that of the paper otherwise\n"
           "  --paper        conflicts of the paper's measure, instead of those of whole cells at all times\n"

@@ -7,8 +7,8 @@
 Arrays. Points are [n, dim] of float64; one point may come as [dim]. What is C-contiguous, aligned float64 is handed over as it is, all
 else is copied first; complex numbers and masked entries are refused. eval_into, values_into and their like write to arrays of the
 caller's. Hessians are packed, [n, dim (dim + 1) / 2]; unpack_hessians makes matrices.
-Handles. Mesh, Cloud, Field, Sensitivity, Body, Constraints, Explicit, Motion, Part and Pair free what they hold with the last reference to
-them, at the end of a `with` block, or by close().
+Handles. Mesh, Cloud, Field, Sensitivity, Body, Constraints, Explicit, Motion, Part, Pair and Assembly free what they hold with the last
+reference to them, at the end of a `with` block, or by free(). close() does the same, but of a Pair and an Assembly, where it is closure.
 Errors. A call that fails raises Error, with the library's message and its status.
 Threads. As in C; ctypes lets other Python threads run during each call, so they may evaluate one field at once.
 The library is the file $KEEPOUT_LIBRARY, else one beside this file, in a build tree above it or installed with it,
@@ -150,6 +150,13 @@ class Cell(enum.IntEnum):
     FROZEN = 2
 
 
+class Within(enum.IntEnum):
+    """Where the mesh of a part may be, told at KO_WITHIN_."""
+
+    CELLS = 0
+    ANYWHERE = 1
+
+
 class Conflicts(enum.IntEnum):
     """Which conflict graph a Pair has, told at KO_CONFLICTS_."""
 
@@ -163,6 +170,13 @@ class Rule(enum.IntEnum):
 
     AVOID = 0
     STAY_IN = 1
+
+
+class Change(enum.IntEnum):
+    """What is done with a cell: it is put to a part, or taken from it."""
+
+    PUT = 0
+    TAKE = 1
 
 
 class Polylines(enum.IntEnum):
@@ -228,6 +242,10 @@ class ko_part(ctypes.Structure):
 
 
 class ko_pair(ctypes.Structure):
+    """Opaque."""
+
+
+class ko_assembly(ctypes.Structure):
     """Opaque."""
 
 
@@ -487,6 +505,11 @@ class ko_family_options(_Struct):
     _fields_ = [
         ("struct_size", c_size_t),
         ("gap", c_double),
+        ("symmetries", POINTER(c_double)),
+        ("n_symmetries", c_size_t),
+        ("symmetry_excess", c_double),
+        ("n_threads", c_uint32),
+        ("reserved", c_uint32),
         ("progress", ko_progress),
         ("progress_data", c_void_p),
     ]
@@ -502,6 +525,22 @@ class ko_optimise_options(_Struct):
         ("feasibility", c_double),
         ("max_iterations", c_uint32),
         ("close_from", c_uint32),
+        ("n_threads", c_uint32),
+        ("reserved", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_persistence_options(_Struct):
+    """Options of Pair.more_persistent; see PersistenceOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("scale", c_double),
+        ("gammas", c_double * 2),
+        ("n_times", c_uint64),
+        ("max_tries", c_uint64),
         ("n_threads", c_uint32),
         ("reserved", c_uint32),
         ("progress", ko_progress),
@@ -537,6 +576,32 @@ class ko_optimise_report(_Struct):
         ("change", c_double),
         ("n_iterations", c_uint32),
         ("converged", c_int32),
+    ]
+
+
+class ko_arrange_options(_Struct):
+    """Options of Assembly.arrange; see ArrangeOptions."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("max_rounds", c_uint32),
+        ("max_starts", c_uint32),
+        ("progress", ko_progress),
+        ("progress_data", c_void_p),
+    ]
+
+
+class ko_assembly_report(_Struct):
+    """What an assembly is."""
+
+    _fields_ = [
+        ("struct_size", c_size_t),
+        ("n_cells", c_uint64),
+        ("n_meetings", c_uint64),
+        ("n_edges", c_uint64),
+        ("graph_bytes", c_uint64),
+        ("n_parts", c_uint32),
+        ("dim", c_uint32),
     ]
 
 
@@ -577,6 +642,7 @@ _explicit = POINTER(ko_explicit)
 _motion = POINTER(ko_motion)
 _part = POINTER(ko_part)
 _pair = POINTER(ko_pair)
+_assembly = POINTER(ko_assembly)
 _doubles = POINTER(c_double)
 _indices = POINTER(c_uint32)
 
@@ -915,9 +981,35 @@ _part_fractions_of_ball = _bind(
 _part_fractions_of_cylinder = _bind(
     "ko_part_fractions_of_cylinder", c_int32, _part, _doubles, c_double, c_uint32, c_uint32, c_size_t, _doubles
 )
+_part_mesh_of_cells = _bind(
+    "ko_part_mesh_of_cells",
+    c_int32,
+    _part,
+    POINTER(c_uint8),
+    c_size_t,
+    c_int32,
+    c_uint32,
+    ko_progress,
+    c_void_p,
+    POINTER(_mesh),
+)
+_part_mesh_of_densities = _bind(
+    "ko_part_mesh_of_densities",
+    c_int32,
+    _part,
+    _doubles,
+    c_size_t,
+    c_double,
+    c_int32,
+    c_uint32,
+    ko_progress,
+    c_void_p,
+    POINTER(_mesh),
+)
 _pair_options_init = _bind("ko_pair_options_init", c_int32, POINTER(ko_pair_options), c_size_t)
 _family_options_init = _bind("ko_family_options_init", c_int32, POINTER(ko_family_options), c_size_t)
 _optimise_options_init = _bind("ko_optimise_options_init", c_int32, POINTER(ko_optimise_options), c_size_t)
+_persistence_options_init = _bind("ko_persistence_options_init", c_int32, POINTER(ko_persistence_options), c_size_t)
 _part_sweep = _bind(
     "ko_part_sweep",
     c_int32,
@@ -964,6 +1056,21 @@ _pair_sensitivities = _bind(
     c_size_t,
     _doubles,
     c_size_t,
+    c_uint32,
+    _doubles,
+    _doubles,
+    _doubles,
+    _doubles,
+)
+_pair_topological_sensitivities = _bind(
+    "ko_pair_topological_sensitivities",
+    c_int32,
+    _pair,
+    _doubles,
+    c_size_t,
+    _doubles,
+    c_size_t,
+    c_int32,
     c_uint32,
     _doubles,
     _doubles,
@@ -1060,6 +1167,51 @@ _pair_contact = _bind(
     _doubles,
     _doubles,
     _doubles,
+)
+_pair_more_persistent = _bind(
+    "ko_pair_more_persistent",
+    c_int32,
+    _pair,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    _doubles,
+    _doubles,
+    POINTER(ko_persistence_options),
+    c_size_t,
+    c_size_t,
+    POINTER(c_uint8),
+    POINTER(c_uint8),
+    _doubles,
+    _doubles,
+    POINTER(c_size_t),
+)
+_arrange_options_init = _bind("ko_arrange_options_init", c_int32, POINTER(ko_arrange_options), c_size_t)
+_assembly_create = _bind(
+    "ko_assembly_create",
+    c_int32,
+    POINTER(_part),
+    POINTER(_motion),
+    c_size_t,
+    POINTER(ko_pair_options),
+    POINTER(_assembly),
+)
+_assembly_free = _bind("ko_assembly_free", None, _assembly)
+_assembly_get_report = _bind("ko_assembly_get_report", c_int32, _assembly, c_size_t, POINTER(ko_assembly_report))
+_assembly_copy_meetings = _bind("ko_assembly_copy_meetings", c_int32, _assembly, c_size_t, POINTER(c_size_t))
+_assembly_close = _bind(
+    "ko_assembly_close", c_int32, _assembly, POINTER(c_uint8), POINTER(c_size_t), c_size_t, POINTER(c_uint8)
+)
+_assembly_arrange = _bind(
+    "ko_assembly_arrange",
+    c_int32,
+    _assembly,
+    _doubles,
+    POINTER(ko_arrange_options),
+    c_size_t,
+    POINTER(c_uint8),
+    _doubles,
+    _doubles,
+    POINTER(c_size_t),
 )
 
 
@@ -1201,10 +1353,14 @@ class _Handle:
         self._as_parameter_ = handle
         self._finalizer = weakref.finalize(self, self._free, handle)
 
-    def close(self) -> None:
+    def free(self) -> None:
         """Frees what is held. No other thread may be using it. Calls from then on raise Error."""
         self._as_parameter_ = type(self._as_parameter_)()
         self._finalizer()
+
+    def close(self) -> None:
+        """The same."""
+        self.free()
 
     def __reduce__(self) -> Any:
         raise TypeError(f"a {type(self).__name__} cannot be copied or pickled: it owns what the library holds")
@@ -1219,7 +1375,7 @@ class _Handle:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
+        self.free()
 
 
 # ---- Options and progress
@@ -1238,7 +1394,8 @@ class _Options:
             setattr(self, name, value)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        options = {field: type_ for field, type_ in self._fields_ if not field.startswith(("struct_size", "progress"))}
+        own = ("struct_size", "progress", "n_symmetries")
+        options = {field: type_ for field, type_ in self._fields_ if not field.startswith(own)}
         if name not in options:
             raise AttributeError(f"there is no option {name}; there are {', '.join(options)}")
         if name == "control_points":
@@ -1246,6 +1403,8 @@ class _Options:
             if not 1 <= len(counts) <= 3:
                 raise _wrong(f"control_points has {len(counts)} entries; one for each axis, 3 at most, are needed")
             value = (c_uint32 * 3)(*(_small(name, count) for count in counts))
+        elif name == "gammas":
+            value = (c_double * 2)(*_needs(name, value, 2))
         elif options[name] in (c_int32, c_uint32, c_uint64):
             value = _whole(name, value, options[name])
         super().__setattr__(name, value)
@@ -1303,15 +1462,56 @@ class PairOptions(_Options, ko_pair_options):
 
 
 class FamilyOptions(_Options, ko_family_options):
-    """Options of Pair.cut and Pair.family, as FitOptions has those of Field.fit."""
+    """Options of Pair.cut and Pair.family, as FitOptions has those of Field.fit.
+
+    symmetries takes maps by which pairs shall be symmetric, [((A_1, b_1), (A_2, b_2)), ...], and copies them: x goes to A x + b in the own frame of
+    part 1 and of part 2, with A [dim, dim] and b [dim]. None or []: none.
+    """
 
     _init = staticmethod(_family_options_init)
+    _maps: Array = np.empty((0, 0))
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name != "symmetries":
+            super().__setattr__(name, value)
+            return
+        # C is told where the numbers are: they stay as long as these options.
+        maps = _maps_of(() if value is None else value)
+        super().__setattr__(name, _at(maps) if len(maps) else None)
+        ctypes.Structure.__setattr__(self, "n_symmetries", len(maps))
+        ctypes.Structure.__setattr__(self, "_maps", maps)
 
 
 class OptimiseOptions(_Options, ko_optimise_options):
     """Options of Pair.optimise, as FitOptions has those of Field.fit."""
 
     _init = staticmethod(_optimise_options_init)
+
+
+class PersistenceOptions(_Options, ko_persistence_options):
+    """Options of Pair.more_persistent, as FitOptions has those of Field.fit. gammas takes two numbers, from and to."""
+
+    _init = staticmethod(_persistence_options_init)
+
+
+class ArrangeOptions(_Options, ko_arrange_options):
+    """Options of Assembly.arrange, as FitOptions has those of Field.fit."""
+
+    _init = staticmethod(_arrange_options_init)
+
+
+def _maps_of(symmetries: Sequence[Any]) -> Array:
+    """Maps of both parts' frames, ((A_1, b_1), (A_2, b_2)) each, as C has them: [n, 2 dim (dim + 1)]."""
+    rows = []
+    for m, (first, second) in enumerate(symmetries):
+        row: list[Any] = []
+        for matrix, vector in (first, second):
+            shift = _numbers(f"the vector of symmetry {m}", vector, None)
+            row += [np.ravel(_one_for_each(len(shift), f"the matrix of symmetry {m}", matrix, len(shift))), shift]
+        rows.append(np.concatenate(row))
+        if len(rows[m]) != len(rows[0]):
+            raise _wrong(f"symmetry {m} has {len(rows[m])} numbers; {len(rows[0])}, as symmetry 0 has, are needed")
+    return np.array(rows) if rows else np.empty((0, 0))
 
 
 def _plain(aggregation: Optional[Aggregation]) -> Any:
@@ -2412,6 +2612,14 @@ def _set_of(name: str, cells: npt.ArrayLike, n: int) -> Array:
     return flat
 
 
+def _cell_numbers(name: str, numbers: npt.ArrayLike, n: int) -> Array:
+    """A number for each of `n` cells, as C has them."""
+    flat = _laid_out(name, numbers).reshape(-1)
+    if len(flat) != n:
+        raise _wrong(f"{name} has {len(flat)} cells; {n} are needed")
+    return flat
+
+
 class Part(_Handle):
     """A grid of square or cubic cells, and what a part may do with each. len() tells how many there are.
 
@@ -2490,6 +2698,36 @@ class Part(_Handle):
         ends = _one_for_each(2, "ends", ends, self.dim)
         return self._filled(_part_fractions_of_cylinder, _at(ends), radius, samples=samples, n_threads=n_threads)
 
+    def mesh_of_cells(
+        self,
+        cells: npt.ArrayLike,
+        within: Within = Within.CELLS,
+        rounds: int = 20,
+        progress: Optional[Progress] = None,
+    ) -> Mesh:
+        """The mesh that bounds a set of cells: closed, in the part's frame. Each vertex is moved `rounds` times, with 0 it is the cells' faces."""
+        own = _set_of("cells", cells, self._n)
+        return self._bounded(_part_mesh_of_cells, _at(own, c_uint8), self._n, within=within, rounds=rounds, progress=progress)
+
+    def mesh_of_densities(
+        self,
+        densities: npt.ArrayLike,
+        level: float = 0.5,
+        within: Within = Within.CELLS,
+        rounds: int = 20,
+        progress: Optional[Progress] = None,
+    ) -> Mesh:
+        """The same of the cells whose density is above `level`; the mesh is drawn to where the density passes it."""
+        rho = _cell_numbers("densities", densities, self._n)
+        what = _at(rho), self._n, level
+        return self._bounded(_part_mesh_of_densities, *what, within=within, rounds=rounds, progress=progress)
+
+    def _bounded(self, call: Any, *what: Any, within: Within, rounds: int, progress: Optional[Progress]) -> Mesh:
+        # Any options will do to carry the function.
+        plain, how = ko_family_options(), (_choice("within", within), _small("rounds", rounds))
+        mesh, _ = _make(Mesh, plain, progress, lambda _, to: call(self, *what, *how, plain.progress, None, to))
+        return mesh
+
     def sweep(
         self,
         motion: Optional[Motion],
@@ -2543,7 +2781,7 @@ class Measures(NamedTuple):
 
 
 class Sensitivities(NamedTuple):
-    """(31) and (32): derivatives of each measure by the densities of both parts."""
+    """(31) and (32), derivatives of each measure by the densities of both parts; or (B.1) and (B.2)."""
 
     g21_by_1: Array
     g21_by_2: Array
@@ -2568,7 +2806,7 @@ class Closed(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """The pair of the greatest weight, and the bound that proves it."""
+    """The pair of the greatest weight, with symmetries of the symmetric ones, and the bound that proves it."""
 
     first: Array
     second: Array
@@ -2611,6 +2849,18 @@ class Contact(NamedTuple):
     """[n, dim], between them, in part 1's frame."""
     largest: float
     mean: float
+
+
+class Persistent(NamedTuple):
+    """A pair that keeps in touch."""
+
+    first: Array
+    second: Array
+    before: float
+    """Persistence of the pair that it began with: the mean of 1 / (1 + gap / scale) over the motion."""
+    after: float
+    """That of this pair."""
+    n_tries: int
 
 
 class Pair(_Handle):
@@ -2682,11 +2932,21 @@ class Pair(_Handle):
         self, densities_1: npt.ArrayLike, densities_2: npt.ArrayLike, n_threads: int = 0
     ) -> Sensitivities:
         """(31) and (32)."""
+        return self._sensitive(_pair_sensitivities, densities_1, densities_2, _small("n_threads", n_threads))
+
+    def topological_sensitivities(
+        self, densities_1: npt.ArrayLike, densities_2: npt.ArrayLike, change: Change, n_threads: int = 0
+    ) -> Sensitivities:
+        """(B.1) and (B.2): how each measure changes, by the area or volume, as cells are put to a part or taken from it."""
+        how = _choice("change", change), _small("n_threads", n_threads)
+        return self._sensitive(_pair_topological_sensitivities, densities_1, densities_2, *how)
+
+    def _sensitive(self, call: Any, densities_1: npt.ArrayLike, densities_2: npt.ArrayLike, *how: int) -> Sensitivities:
         x, n, y, m = self._densities(densities_1, densities_2)
         if (n, m) != self._n:
             raise _wrong(f"densities of {n} and {m} cells; {self._n} are needed")
         out = Sensitivities(*(np.empty(self.shapes[k]) for k in (0, 1, 0, 1)))
-        _check(_pair_sensitivities(self, _at(x), n, _at(y), m, _small("n_threads", n_threads), *map(_at, out)))
+        _check(call(self, _at(x), n, _at(y), m, *how, *map(_at, out)))
         return out
 
     def _room(self) -> list[Array]:
@@ -2727,6 +2987,14 @@ class Pair(_Handle):
                 raise _wrong(f"weights of {len(weights)} cells; {n} are needed")
         return given
 
+    def _family_options(self, options: Optional[FamilyOptions]) -> tuple[ko_family_options, Array]:
+        """The struct of C, and the array that it refers to, whose length C takes from the pair."""
+        own = options or FamilyOptions()
+        maps, right = own._maps, 2 * self.dim * (self.dim + 1)
+        if len(maps) and maps.shape[1] != right:
+            raise _wrong(f"symmetries have {maps.shape[1]} numbers each; {right} are needed in dim {self.dim}")
+        return ko_family_options.from_buffer_copy(own), maps
+
     def cut(
         self,
         weights_1: Optional[npt.ArrayLike] = None,
@@ -2734,8 +3002,10 @@ class Pair(_Handle):
         options: Optional[FamilyOptions] = None,
         progress: Optional[Progress] = None,
     ) -> Cut:
-        """The pair of the greatest weight; weights None: areas or volumes."""
+        """The pair of the greatest weight; weights None: areas or volumes. With symmetries among the options: of those that all maps carry onto
+        themselves."""
         w1, w2 = self._weights(weights_1, weights_2)
+        own, _maps = self._family_options(options)
         first, second = self._room()
         numbers = [c_double(), c_double(), c_double()]
 
@@ -2743,7 +3013,7 @@ class Pair(_Handle):
             outs = _at(first, c_uint8), _at(second, c_uint8)
             return _pair_cut(self, _at(w1), _at(w2), plain, *self._n, *outs, *map(ctypes.byref, numbers))
 
-        _listened(ko_family_options.from_buffer_copy(options or FamilyOptions()), progress, call)
+        _listened(own, progress, call)
         weight, bound, gamma = (number.value for number in numbers)
         return Cut(first.astype(bool), second.astype(bool), gamma, weight, bound)
 
@@ -2755,9 +3025,10 @@ class Pair(_Handle):
         options: Optional[FamilyOptions] = None,
         progress: Optional[Progress] = None,
     ) -> list[Member]:
-        """A pair for each gamma; weights as in cut()."""
+        """A pair for each gamma; weights and symmetries as in cut()."""
         wanted = _numbers("gammas", np.atleast_1d(gammas), None)
         w1, w2 = self._weights(weights_1, weights_2)
+        own, _maps = self._family_options(options)
         k = len(wanted)
         first, second = (np.empty((k, *shape), dtype=np.uint8) for shape in self.shapes)
         reached, volumes, bounds = np.empty(k), np.empty((k, 2)), np.empty(k)
@@ -2766,7 +3037,7 @@ class Pair(_Handle):
             outs = _at(first, c_uint8), _at(second, c_uint8), _at(reached), _at(volumes), _at(bounds)
             return _pair_family(self, _at(w1), _at(w2), _at(wanted), k, plain, *self._n, *outs)
 
-        _listened(ko_family_options.from_buffer_copy(options or FamilyOptions()), progress, call)
+        _listened(own, progress, call)
         rows = zip(first.astype(bool), second.astype(bool), reached.tolist(), volumes.tolist(), bounds.tolist())
         return [Member(a, b, gamma, (v[0], v[1]), bound) for a, b, gamma, v, bound in rows]
 
@@ -2805,3 +3076,131 @@ class Pair(_Handle):
         own, threads = ko_family_options(), _small("n_threads", n_threads)
         _listened(own, progress, lambda _: _pair_contact(self, *sets, k, threads, own.progress, None, *outs))
         return Contact(gaps, cells, places, largest.value, mean.value)
+
+    def more_persistent(
+        self,
+        first: npt.ArrayLike,
+        second: npt.ArrayLike,
+        weights_1: Optional[npt.ArrayLike] = None,
+        weights_2: Optional[npt.ArrayLike] = None,
+        options: Optional[PersistenceOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Persistent:
+        """Of the pairs as heavy as these sets, which are of the greatest weight, as those of cut(), one that keeps better in touch."""
+        n, m = self._n
+        x, y = _set_of("first", first, n), _set_of("second", second, m)
+        w1, w2 = self._weights(weights_1, weights_2)
+        (to_1, to_2), before, after, tried = self._room(), c_double(), c_double(), c_size_t()
+        sets = _at(x, c_uint8), _at(y, c_uint8), _at(w1), _at(w2)
+        outs = _at(to_1, c_uint8), _at(to_2, c_uint8), *map(ctypes.byref, (before, after, tried))
+
+        plain = ko_persistence_options.from_buffer_copy(options or PersistenceOptions())
+        _listened(plain, progress, lambda own: _pair_more_persistent(self, *sets, own, n, m, *outs))
+        return Persistent(to_1.astype(bool), to_2.astype(bool), before.value, after.value, tried.value)
+
+
+class Arrangement(NamedTuple):
+    """Parts that never collide and of which none can grow."""
+
+    cells: list[Array]
+    """The set of each part."""
+    weight: float
+    bound: float
+    """No parts that never collide weigh more."""
+    n_cuts: int
+
+
+class Assembly(_Handle):
+    """Any number of parts, none of which collides with another. Any number of threads may use one at once.
+
+    Sets of cells and weights are lists with an array for each part, each of the shape [n] or that of the part's grid; sets come as the latter.
+    """
+
+    _free = staticmethod(_assembly_free)
+    _pointer = _assembly
+
+    def __init__(self, handle: Any) -> None:
+        super().__init__(handle)
+        report = self.report()
+        self.dim: int = report.dim
+        self.shapes: tuple[tuple[int, ...], ...] = ()
+
+    @classmethod
+    def create(
+        cls,
+        parts: Sequence[Part],
+        motions: Sequence[Optional[Motion]],
+        options: Optional[PairOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Assembly:
+        """It refers to neither parts nor motions; a motion None: the part stays. Where none meet, meetings() is empty."""
+        if len(motions) != len(parts):
+            raise _wrong(f"motions has {len(motions)} entries; {len(parts)} are needed")
+        for part, motion in zip(parts, motions):
+            if not isinstance(part, Part):
+                raise TypeError(f"parts holds {part!r}; each must be a Part")
+            if not (motion is None or isinstance(motion, Motion)):
+                raise TypeError(f"motions holds {motion!r}; each must be a Motion or None")
+        n = len(parts)
+        of_parts = (_part * n)(*(part._as_parameter_ for part in parts))
+        of_motions = (_motion * n)(*(_motion() if motion is None else motion._as_parameter_ for motion in motions))
+        plain = ko_pair_options.from_buffer_copy(options or PairOptions())
+        assembly, _ = _make(cls, plain, progress, lambda own, to: _assembly_create(of_parts, of_motions, n, own, to))
+        assembly.shapes = tuple(part.shape for part in parts)
+        return assembly
+
+    def report(self) -> ko_assembly_report:
+        """What the assembly is."""
+        report = ko_assembly_report()
+        _check(_assembly_get_report(self, ctypes.sizeof(report), ctypes.byref(report)))
+        return report
+
+    def meetings(self) -> Array:
+        """Pairs of parts of which some cells conflict, [n, 2] of numbers from 0 on, the smaller one first."""
+        meetings = np.empty((self.report().n_meetings, 2), dtype=np.uintp)
+        _check(_assembly_copy_meetings(self, len(meetings), _at(meetings, c_size_t)))
+        return meetings
+
+    @property
+    def _n(self) -> list[int]:
+        return [int(np.prod(shape)) for shape in self.shapes]
+
+    def _joined(self, name: str, given: Sequence[npt.ArrayLike], laid_out: Callable[[str, Any, int], Array]) -> Array:
+        """What there is for each part, part after part."""
+        if len(given) != len(self.shapes):
+            raise _wrong(f"{name} has {len(given)} entries; {len(self.shapes)}, one for each part, are needed")
+        each = enumerate(zip(given, self._n))
+        return np.concatenate([laid_out(f"{name}[{k}]", array, n) for k, (array, n) in each])
+
+    def _parted(self, cells: Array) -> list[Array]:
+        """The sets of each part."""
+        each = np.split(cells.astype(bool), np.cumsum(self._n)[:-1])
+        return [own.reshape(shape) for own, shape in zip(each, self.shapes)]
+
+    def close(self, sets: Sequence[npt.ArrayLike], order: Optional[Sequence[int]] = None) -> list[Array]:
+        """From any sets to parts that never collide and of which none can grow.
+
+        Part by part in the order, numbers from 0 on, each keeps of its set what those before it leave; None: in that in which they were given.
+        """
+        own = self._joined("sets", sets, _set_of)
+        numbers = None if order is None else _indices_of("order", order, None, np.uintp)
+        if numbers is not None and len(numbers) != len(self.shapes):
+            raise _wrong(f"order has {len(numbers)} entries; {len(self.shapes)} are needed")
+        cells = np.empty_like(own)
+        _check(_assembly_close(self, _at(own, c_uint8), _at(numbers, c_size_t), len(own), _at(cells, c_uint8)))
+        return self._parted(cells)
+
+    def arrange(
+        self,
+        weights: Optional[Sequence[npt.ArrayLike]] = None,
+        options: Optional[ArrangeOptions] = None,
+        progress: Optional[Progress] = None,
+    ) -> Arrangement:
+        """Parts of great weight; the heaviest, weight == bound, where parts that meet take two colours. Weights None: areas or volumes."""
+        own = None if weights is None else self._joined("weights", weights, _cell_numbers)
+        cells, weight, bound, n_cuts = np.empty(sum(self._n), dtype=np.uint8), c_double(), c_double(), c_size_t()
+        outs = _at(cells, c_uint8), *map(ctypes.byref, (weight, bound, n_cuts))
+
+        plain = ko_arrange_options.from_buffer_copy(options or ArrangeOptions())
+        _listened(plain, progress, lambda to: _assembly_arrange(self, _at(own), to, len(cells), *outs))
+        return Arrangement(self._parted(cells), weight.value, bound.value, n_cuts.value)

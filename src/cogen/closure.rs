@@ -39,7 +39,7 @@ pub fn larger(measures: [f64; 2], sets: [&Bits; 2]) -> Side {
 /// The cells that each part may have beside those that the other must: A_1 \ N(frozen_2), A_2 \ N(frozen_1). The error tells of frozen cells
 /// that collide with each other, and from `relative`, the motion that the graph is of, when and where.
 pub fn room<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2], relative: &Relative<D>) -> Result<[Bits; 2]> {
-    frozen::check(conflicts, parts, relative)?;
+    frozen::check(conflicts, parts, relative, [1, 2])?;
     let mut room = parts.map(|p| p.allowed().clone());
     for side in [Side::First, Side::Second] {
         let frozen = parts[side.index()].frozen();

@@ -6,7 +6,7 @@ use super::bits::{Bits, Marks};
 use super::closure::check_set;
 use super::foresight::{Estimate, Limit};
 use super::grid::Grid;
-use super::parcels::{Room, cells, each_block, n_blocks};
+use super::parcels::{Room, each_block, n_blocks};
 use super::part::Part;
 use super::rows::{Block, Rows};
 use super::separation::Swathes;
@@ -118,27 +118,37 @@ impl Conflicts {
         let n = n_cells[rows_of.other().index()];
         let joined = |i: usize, j: usize| if rows_of == Side::First { edge(i, j) } else { edge(j, i) };
         let row = |i: usize, mark: &mut dyn FnMut(usize)| (0..n).filter(|&j| joined(i, j)).for_each(mark);
-        Conflicts::of_rows(n_cells, rows_of, row, &Workers::caller_only())
+        let (workers, silent) = (Workers::caller_only(), &mut Progress::silent());
+        Conflicts::of_rows(n_cells, rows_of, row, Limit::none(), &workers, silent)
     }
 
-    /// The graph whose rows `row`(i, mark) marks, cell by cell, in any order and more than once.
+    /// The graph whose rows `row`(i, mark) marks, cell by cell, in any order and more than once. `row` is gone before the columns are made.
     pub(super) fn of_rows(
         n_cells: [usize; 2],
         rows_of: Side,
-        row: impl Fn(usize, &mut dyn FnMut(usize)) + Sync,
+        row: impl Fn(usize, &mut dyn FnMut(usize)) + Sync + Send,
+        limit: Limit,
         workers: &Workers,
+        progress: &mut Progress<'_>,
     ) -> Result<Self> {
         let (n_rows, n) = (n_cells[rows_of.index()], n_cells[rows_of.other().index()]);
         let all = Bits::all(n)?;
-        let made = workers.map(n_blocks(n_rows), |k| -> Result<Block> {
+        let make = move |rows: Range<usize>| -> Result<Block> {
             let (mut block, mut marks) = (Block::new()?, Marks::new(n)?);
-            for i in cells(k, n_rows) {
+            for i in rows {
                 row(i, &mut |j| marks.insert_range(j..j + 1));
                 block.push_row(|run| marks.take_runs(&all, run))?;
             }
             Ok(block.settled())
-        });
-        let blocks = made.into_iter().collect::<Result<_>>()?;
+        };
+        let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "the conflict graph")?;
+        let mut room = Room::new(limit, n_rows);
+        each_block(n_rows, workers, progress, "conflicts", make, |block| {
+            // Columns take about what rows do.
+            room.take(2 * block.bytes())?;
+            blocks.push(block);
+            Ok(())
+        })?;
         Conflicts::of_made(n_cells, rows_of, Rows::new(blocks), workers)
     }
 
@@ -231,6 +241,16 @@ impl Conflicts {
         let lists = if side == self.rows_of { &self.rows } else { &self.columns };
         set.iter().for_each(|i| lists.iter(i).for_each(|run| found.insert_range(run)));
         Ok(found)
+    }
+
+    /// The cells of each part that conflict with others, if parts have the cells in `room`.
+    pub fn colliding(&self, room: &[Bits; 2]) -> Result<[Bits; 2]> {
+        let of = |side: Side| -> Result<Bits> {
+            let mut cells = self.neighbours(side.other(), &room[side.other().index()])?;
+            cells.intersect(&room[side.index()]);
+            Ok(cells)
+        };
+        Ok([of(Side::First)?, of(Side::Second)?])
     }
 }
 

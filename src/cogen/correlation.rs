@@ -78,10 +78,12 @@ impl<const D: usize> Correlation<D> {
             let fitting = if n > 1 { Some(n * n_steps / there.len()) } else { None };
             return Err(limit.refusal(foreseen.bytes(), fitting));
         }
-        let first = Trajectories::new(&there, parts[1], parts[0], limit, workers, progress)?;
+        let first =
+            progress.part(0.0, 0.5, |part| Trajectories::new(&there, parts[1], parts[0], limit, workers, part))?;
         let left = max_bytes.saturating_sub(first.bytes() as u64);
         let limit = Limit::new("the trajectories", left, parts.map(Part::grid), D);
-        let second = Trajectories::new(&back, parts[0], parts[1], limit, workers, progress)?;
+        let second =
+            progress.part(0.5, 1.0, |part| Trajectories::new(&back, parts[0], parts[1], limit, workers, part))?;
         let measures = parts.map(|p| p.grid().measure());
         let allowed = parts.map(|p| p.allowed().clone());
         Ok(Correlation { of: [first, second], allowed, measures, n_steps, n_in_period: there.len() })
@@ -209,13 +211,16 @@ impl<const D: usize> Correlation<D> {
     }
 
     /// The conflict graph of the paper's measure: an edge wherever w^12 or w^21 is not 0. Cells whose centres do not meet at the sampled times
-    /// may still overlap: see [`Conflicts::of_overlap`].
-    pub fn conflicts(&self, workers: &Workers) -> Result<Conflicts> {
+    /// may still overlap: see [`Conflicts::of_overlap`]. The error tells of a graph that takes more than `max_bytes` while it is made.
+    pub fn conflicts(&self, max_bytes: u64, workers: &Workers, progress: &mut Progress<'_>) -> Result<Conflicts> {
         let n = self.allowed.each_ref().map(Bits::len);
         let rows_of = if self.allowed[1].count() < self.allowed[0].count() { Side::Second } else { Side::First };
         let (own, other) = (&self.of[rows_of.index()], &self.of[rows_of.other().index()]);
         // The other's visits, by the cells that are visited.
         let n_rows = n[rows_of.index()];
+        let limit = Limit::of("the conflict graph", max_bytes);
+        let by_visits = 16 * n_rows as u64 + 4 * other.n_visits() as u64;
+        let left = max_bytes.checked_sub(by_visits).ok_or_else(|| limit.refusal(by_visits as f64, None))?;
         let mut ends: Vec<u64> = try_vec(n_rows + 1, 0, "the conflict graph")?;
         (0..other.n_rows()).for_each(|j| other.each(j, |cell, _| ends[cell + 1] += 1));
         (0..n_rows).for_each(|i| ends[i + 1] += ends[i]);
@@ -227,11 +232,12 @@ impl<const D: usize> Correlation<D> {
                 at[cell] += 1;
             });
         }
-        let row = |i: usize, mark: &mut dyn FnMut(usize)| {
+        let row = move |i: usize, mark: &mut dyn FnMut(usize)| {
             own.each(i, |cell, _| mark(cell));
             visitors[ends[i] as usize..ends[i + 1] as usize].iter().for_each(|&j| mark(j as usize));
         };
-        Conflicts::of_rows(n, rows_of, row, workers)
+        drop(at);
+        Conflicts::of_rows(n, rows_of, row, Limit::of("the conflict graph", left), workers, progress)
     }
 
     /// (33) and (34): the cells of each part that collide with the other's cells as both may have them. One direction misses cells; this is

@@ -19,8 +19,8 @@ pub struct Cut {
     pub pair: Pair,
     /// What the pair weighs.
     pub weight: u64,
-    /// The flow: no pair weighs more than all cells less this.
-    pub flow: u64,
+    /// No pair weighs more: what all cells weigh, less the flow.
+    pub bound: u64,
     /// How often labels were made.
     pub n_rounds: usize,
 }
@@ -36,8 +36,9 @@ pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progre
     // Cells of weight 0 that are in nobody's way are on either side of the cut.
     let pair = close(conflicts, room, near, &kept)?;
     let weight = pair.weigh(weights).iter().sum();
-    debug_assert_eq!(weight + flow.amount(), all);
-    Ok(Cut { pair, weight, flow: flow.amount(), n_rounds })
+    let bound = all - flow.amount();
+    debug_assert_eq!(weight, bound);
+    Ok(Cut { pair, weight, bound, n_rounds })
 }
 
 /// What all cells of `room` weigh.

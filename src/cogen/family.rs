@@ -124,12 +124,7 @@ pub fn family(
     }
     check_room(conflicts, room)?;
     let all = weight_of_all(room, weights)?;
-    let colliding = |side: Side| -> Result<Bits> {
-        let mut cells = conflicts.neighbours(side.other(), &room[side.other().index()])?;
-        cells.intersect(&room[side.index()]);
-        Ok(cells)
-    };
-    let colliding = [colliding(Side::First)?, colliding(Side::Second)?];
+    let colliding = conflicts.colliding(room)?;
     let mut search =
         Search { options: *options, conflicts, room, weights, colliding, cuts: Vec::new(), found: Vec::new() };
     let ends = [

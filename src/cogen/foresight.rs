@@ -43,6 +43,11 @@ impl Limit {
         Limit { what, most, cells: None }
     }
 
+    /// No limit.
+    pub fn none() -> Self {
+        Limit::of("", u64::MAX)
+    }
+
     /// Bytes.
     pub fn most(&self) -> u64 {
         self.most

@@ -73,13 +73,18 @@ pub fn clashes<const D: usize>(
     Ok(Clashes { n_pairs, found: pairs.into_iter().map(|cells| clash(grids, cells, relative, &steps)).collect() })
 }
 
-/// The error of frozen cells that collide.
-pub(super) fn check<const D: usize>(conflicts: &Conflicts, parts: [&Part<D>; 2], relative: &Relative<D>) -> Result<()> {
+/// The error of frozen cells that collide, of parts with the numbers `names`.
+pub(super) fn check<const D: usize>(
+    conflicts: &Conflicts,
+    parts: [&Part<D>; 2],
+    relative: &Relative<D>,
+    names: [usize; 2],
+) -> Result<()> {
     let Clashes { n_pairs, found } = clashes(conflicts, parts, relative, TOLD)?;
     if n_pairs == 0 {
         return Ok(());
     }
-    let mut told: Vec<String> = found.iter().map(Clash::told).collect();
+    let mut told: Vec<String> = found.iter().map(|clash| clash.told(names)).collect();
     if n_pairs > found.len() {
         told.push(format!("and {} more", n_pairs - found.len()));
     }
@@ -96,7 +101,8 @@ pub(super) fn brief<const N: usize>(x: [f64; N]) -> [f64; N] {
 }
 
 impl<const D: usize> Clash<D> {
-    fn told(&self) -> String {
+    fn told(&self, names: [usize; 2]) -> String {
+        let [a, b] = names;
         let [time, distance] = brief([self.time, self.distance]).map(number);
         let when = if self.distance > 0.0 {
             format!("come within {distance} of each other at time {time}")
@@ -106,7 +112,7 @@ impl<const D: usize> Clash<D> {
         let [one, two, place, world] =
             [self.centers[0], self.centers[1], self.place, self.world].map(|p| text(&brief(p)));
         format!(
-            "cell {} of part 1, at {one}, and cell {} of part 2, at {two}, {when}, at {place} in part 1's frame and {world} in the world",
+            "cell {} of part {a}, at {one}, and cell {} of part {b}, at {two}, {when}, at {place} in part {a}'s frame and {world} in the world",
             self.cells[0], self.cells[1]
         )
     }

@@ -284,7 +284,7 @@ mod tests {
         let relative = Relative { from: Motion::turn([0.0; 2], Law::even(TAU)).unwrap(), of: slide };
         let (workers, silent) = (Workers::new(2).unwrap(), &mut Progress::silent());
         let correlation = Correlation::new(pair, &relative, 200, 1 << 30, &workers, silent).unwrap();
-        let conflicts = correlation.conflicts(&workers).unwrap();
+        let conflicts = correlation.conflicts(1 << 30, &workers, &mut Progress::silent()).unwrap();
         let (room, frozen) = (pair.map(|p| p.allowed().clone()), pair.map(Part::frozen));
         let design = Design { correlation: &correlation, conflicts: &conflicts, room: &room, frozen };
         for gamma in [0.0, 0.2, 0.6, 0.7, 0.8, 1.0] {

@@ -212,12 +212,7 @@ impl<'a> Lattice<'a> {
             }
             ties.push([&gained, &lost].map(|cells| cells.iter().map(|&i| i as u32).collect()));
         }
-        let colliding = |side: Side| -> Result<Bits> {
-            let mut cells = conflicts.neighbours(side.other(), &room[side.other().index()])?;
-            cells.intersect(&room[side.index()]);
-            Ok(cells)
-        };
-        let colliding = [colliding(Side::First)?, colliding(Side::Second)?];
+        let colliding = conflicts.colliding(room)?;
         Ok(Lattice { conflicts, near, ties, tie_of, weights, colliding })
     }
 

@@ -12,11 +12,15 @@
 use super::bits::Bits;
 use super::closure::Pair;
 use super::conflict::{Conflicts, Side};
+use super::cut::{Cut, cut};
+use super::family::{FamilyOptions, Member, family};
+use super::foresight::Limit;
 use super::grid::Grid;
 use super::parcels::{cells, n_blocks};
 use crate::error::{try_vec, try_with_capacity};
 use crate::geometry::vec::{number, text};
 use crate::par::Workers;
+use crate::progress::Progress;
 use crate::{Error, Result};
 
 /// How far from a cell's centre, in cells, the image of one may be.
@@ -173,13 +177,13 @@ impl Folded {
             Orbits::new(conflicts.n_cells(side), &maps)
         };
         let orbits = [orbits(Side::First)?, orbits(Side::Second)?];
-        let near = conflicts.rows_of();
+        let (near, sizes) = (conflicts.rows_of(), orbits.each_ref().map(Orbits::len));
         let (own, other) = (&orbits[near.index()], &orbits[near.other().index()]);
         let row = |orbit: usize, mark: &mut dyn FnMut(usize)| {
             let runs = own.cells(orbit).iter().flat_map(|&i| conflicts.rows().iter(i as usize));
             runs.for_each(|run| other.of[run].iter().for_each(|&j| mark(j as usize)));
         };
-        let conflicts = Conflicts::of_rows(orbits.each_ref().map(Orbits::len), near, row, workers)?;
+        let conflicts = Conflicts::of_rows(sizes, near, row, Limit::none(), workers, &mut Progress::silent())?;
         Ok(Folded { orbits, conflicts })
     }
 
@@ -245,6 +249,37 @@ impl Folded {
         };
         Ok(Pair { cells: [of(0)?, of(1)?] })
     }
+
+    /// The symmetric pair of greatest weight: [`cut`](fn@super::cut) of orbits. `room`, `frozen` and `weights` are of cells.
+    pub fn cut(
+        &self,
+        room: &[Bits; 2],
+        frozen: [&Bits; 2],
+        weights: [&[u64]; 2],
+        progress: &mut Progress<'_>,
+    ) -> Result<Cut> {
+        let (room, [one, two]) = (self.room(room, frozen)?, self.weights(weights)?);
+        let found = cut(&self.conflicts, &room, [&one, &two], progress)?;
+        Ok(Cut { pair: self.unfold(&found.pair)?, ..found })
+    }
+
+    /// A family of symmetric pairs: [`family`](fn@super::family) of orbits. The same are of cells.
+    pub fn family(
+        &self,
+        room: &[Bits; 2],
+        frozen: [&Bits; 2],
+        weights: [&[u64]; 2],
+        gammas: &[f64],
+        options: &FamilyOptions,
+        progress: &mut Progress<'_>,
+    ) -> Result<Vec<Member>> {
+        let (room, [one, two]) = (self.room(room, frozen)?, self.weights(weights)?);
+        let mut found = family(&self.conflicts, &room, [&one, &two], gammas, options, progress)?;
+        for member in &mut found {
+            member.pair = self.unfold(&member.pair)?;
+        }
+        Ok(found)
+    }
 }
 
 /// Whether the images of all edges, but for a fraction `excess` of them, are edges: since no two have the same image, the images are all edges then.
@@ -286,8 +321,6 @@ mod tests {
     use super::super::closure::close;
     use super::super::conflict::OverlapOptions;
     use super::super::correlation::Correlation;
-    use super::super::cut::cut;
-    use super::super::family::{FamilyOptions, family};
     use super::super::motion::{Law, Motion};
     use super::super::part::Part;
     use super::super::steps::{Relative, Sampling};
@@ -296,7 +329,6 @@ mod tests {
     use crate::geometry::matrix::{Matrix, applied};
     use crate::geometry::random::SplitMix64;
     use crate::geometry::vec::{add, sub};
-    use crate::progress::Progress;
     use std::f64::consts::TAU;
 
     fn shuffled(random: &mut SplitMix64, n: usize) -> Vec<u32> {
@@ -391,12 +423,11 @@ mod tests {
             let room = [0, 1].map(|k| Bits::of(n[k], |i| folded.orbits[k].of[i] % 4 != 3).unwrap());
             let of = [&weights[0][..], &weights[1]];
             let orbit_room = folded.room(&room, room.each_ref()).unwrap();
-            let orbit_weights = folded.weights(of).unwrap();
-            let orbit_of = [&orbit_weights[0][..], &orbit_weights[1]];
-            let found = cut(folded.conflicts(), &orbit_room, orbit_of, &mut Progress::silent()).unwrap();
-            let pair = folded.unfold(&found.pair).unwrap();
-            assert!(is_symmetric(&maps, &pair));
-            assert_eq!(pair.weigh(of).iter().sum::<u64>(), found.weight);
+            let silent = &mut Progress::silent();
+            let found = folded.cut(&room, room.each_ref(), of, silent).unwrap();
+            let pair = &found.pair;
+            assert!(is_symmetric(&maps, pair));
+            assert_eq!((pair.weigh(of).iter().sum::<u64>(), found.bound), (found.weight, found.weight));
 
             // All sets of part 1 that all maps carry onto themselves, each with the orbits that it leaves of part 2.
             let whole = |k: usize, set: u32| {
@@ -415,9 +446,9 @@ mod tests {
             assert_eq!(found.weight, all().filter(|&set| whole(0, set)).map(weigh).max().unwrap());
             if alike {
                 // The cut without symmetry is as heavy, and symmetric by itself.
-                let plain = cut(&conflicts, &room, of, &mut Progress::silent()).unwrap();
+                let plain = cut(&conflicts, &room, of, silent).unwrap();
                 assert_eq!(plain.weight, found.weight);
-                assert_eq!(plain.pair, pair);
+                assert_eq!(plain.pair, *pair);
             }
 
             let wanted = Bits::of(n[0], |i| !(i + round).is_multiple_of(3)).unwrap();
@@ -430,11 +461,9 @@ mod tests {
 
             let options = FamilyOptions { gap: 0.0 };
             let gammas = [0.0, 0.3, 0.5, 0.8, 1.0];
-            let silent = &mut Progress::silent();
-            for member in family(folded.conflicts(), &orbit_room, orbit_of, &gammas, &options, silent).unwrap() {
-                let pair = folded.unfold(&member.pair).unwrap();
-                assert!(is_symmetric(&maps, &pair));
-                assert_free_and_maximal(&edges, &room, &pair);
+            for member in folded.family(&room, room.each_ref(), of, &gammas, &options, silent).unwrap() {
+                assert!(is_symmetric(&maps, &member.pair));
+                assert_free_and_maximal(&edges, &room, &member.pair);
             }
         }
         assert!(n_turned > 40, "{n_turned}");
@@ -488,8 +517,8 @@ mod tests {
         let (workers, silent) = (Workers::caller_only(), &mut Progress::silent());
         let options = OverlapOptions { sampling: Sampling::Steps(400), ..OverlapOptions::default() };
         let overlaps = Conflicts::of_overlap(pair, &relative, &options, silent).unwrap();
-        let centers =
-            Correlation::new(pair, &relative, 400, 1 << 30, &workers, silent).unwrap().conflicts(&workers).unwrap();
+        let correlation = Correlation::new(pair, &relative, 400, 1 << 30, &workers, silent).unwrap();
+        let centers = correlation.conflicts(1 << 30, &workers, silent).unwrap();
         let room = parts.each_ref().map(|p| p.allowed().clone());
         let weights = [vec![1; n * n], vec![1; n * n]];
         for conflicts in [overlaps, centers] {
@@ -498,12 +527,9 @@ mod tests {
             let sizes = SIDES.map(|s| folded.conflicts().n_cells(s));
             // Eight cells an orbit, but for those on mirrors.
             assert_eq!(sizes, [n / 2 * (n / 2 + 1) / 2; 2]);
-            let orbit_room = folded.room(&room, pair.map(Part::frozen)).unwrap();
-            let orbit_weights = folded.weights([&weights[0], &weights[1]]).unwrap();
-            let best = cut(folded.conflicts(), &orbit_room, [&orbit_weights[0], &orbit_weights[1]], silent).unwrap();
+            let best = folded.cut(&room, pair.map(Part::frozen), [&weights[0], &weights[1]], silent).unwrap();
             let plain = cut(&conflicts, &room, [&weights[0], &weights[1]], silent).unwrap();
-            assert_eq!(best.weight, plain.weight);
-            assert_eq!(folded.unfold(&best.pair).unwrap(), plain.pair);
+            assert_eq!((best.weight, best.pair), (plain.weight, plain.pair));
             let told = Folded::new(&conflicts, &[of(QUARTER, QUARTER)], 0.0, &workers).unwrap_err().to_string();
             assert!(told.contains("map 0 does not carry"), "{told}");
         }

@@ -98,6 +98,23 @@ fn trajectories_that_would_not_fit_are_refused_before_they_are_made_and_what_wou
 }
 
 #[test]
+fn graphs_of_the_measure_keep_to_their_bytes() {
+    let (parts, relative) = gears([0.02, 0.02]);
+    let (workers, silent) = (Workers::new(2).unwrap(), &mut Progress::silent());
+    let correlation = Correlation::new([&parts[0], &parts[1]], &relative, 100, 1 << 30, &workers, silent).unwrap();
+    let whole = correlation.conflicts(1 << 30, &workers, silent).unwrap();
+    let by_visits = 4 * correlation.n_visits() as u64;
+    // Visits alone are more; with them there is room for some rows.
+    for most in [by_visits / 2, by_visits + whole.bytes() as u64 / 2] {
+        let error = correlation.conflicts(most, &workers, silent).unwrap_err();
+        let Error::OutOfMemory { bytes, limit: Some(limit), .. } = error else { panic!("{error}") };
+        assert!(limit <= u128::from(most) && bytes > limit, "{bytes} {limit}");
+    }
+    let again = correlation.conflicts(2 * (by_visits + whole.bytes() as u64), &workers, silent).unwrap();
+    assert_eq!(again.n_edges(), whole.n_edges());
+}
+
+#[test]
 fn grids_that_never_meet_keep_every_cell_and_say_so() {
     let part = |x: f64| Part::whole(Grid::new([x, 0.0], 0.1, [10, 10]).unwrap()).unwrap();
     let parts = [part(0.0), part(5.0)];
@@ -106,7 +123,7 @@ fn grids_that_never_meet_keep_every_cell_and_say_so() {
     let relative = Relative { from: turn, of: Motion::fixed() };
     let silent = &mut Progress::silent();
     let correlation = Correlation::new(pair, &relative, 50, 1 << 20, &workers, silent).unwrap();
-    let by_measure = correlation.conflicts(&workers).unwrap();
+    let by_measure = correlation.conflicts(1 << 30, &workers, &mut Progress::silent()).unwrap();
     let by_overlap = Conflicts::of_overlap(pair, &relative, &OverlapOptions::default(), silent).unwrap();
     for conflicts in [&by_overlap, &by_measure] {
         assert!(conflicts.is_empty());
@@ -115,7 +132,7 @@ fn grids_that_never_meet_keep_every_cell_and_say_so() {
         assert!(all(&close(conflicts, &room, Side::First, &Bits::none(100).unwrap()).unwrap().cells));
         let weights = [vec![1; 100], vec![2; 100]];
         let best = cut(conflicts, &room, [&weights[0], &weights[1]], silent).unwrap();
-        assert!(all(&best.pair.cells) && (best.weight, best.flow) == (300, 0));
+        assert!(all(&best.pair.cells) && (best.weight, best.bound) == (300, 300));
         let options = FamilyOptions::default();
         for member in family(conflicts, &room, [&weights[0], &weights[1]], &[0.0, 0.5, 1.0], &options, silent).unwrap()
         {
@@ -134,7 +151,7 @@ fn gammas_out_of_range_are_refused() {
     let (parts, relative) = gears([0.1, 0.1]);
     let (pair, workers, silent) = ([&parts[0], &parts[1]], Workers::caller_only(), &mut Progress::silent());
     let correlation = Correlation::new(pair, &relative, 50, 1 << 20, &workers, silent).unwrap();
-    let conflicts = correlation.conflicts(&workers).unwrap();
+    let conflicts = correlation.conflicts(1 << 30, &workers, &mut Progress::silent()).unwrap();
     let room = room(&conflicts, pair, &relative).unwrap();
     let weights = [vec![1; room[0].len()], vec![1; room[1].len()]];
     let design =

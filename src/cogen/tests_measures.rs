@@ -79,7 +79,7 @@ fn measures_are_sums_over_trajectories<const D: usize>(seed: u64) {
             }
         }
 
-        let conflicts = correlation.conflicts(&workers).unwrap();
+        let conflicts = correlation.conflicts(1 << 30, &workers, &mut Progress::silent()).unwrap();
         let table = table(&conflicts);
         assert!(each().all(|(i, j)| table[i][j] == (n12[j][i] + n21[i][j] > 0)));
         let colliding = correlation.colliding(&workers).unwrap();

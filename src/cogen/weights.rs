@@ -3,7 +3,6 @@
 //! Weights that are whole multiples of one number, such as those of equal cells, stay what they are. Others are rounded up to multiples of a
 //! small fraction of their sum: no pair then weighs more than its whole numbers say, so that bounds hold.
 
-use super::bits::Bits;
 use crate::error::try_vec;
 use crate::geometry::vec::number;
 use crate::{Error, Result};
@@ -31,10 +30,10 @@ pub enum Weights<'a> {
     },
 }
 
-/// Weights of both parts' cells in whole numbers, and what 1 stands for.
+/// Weights of N parts' cells in whole numbers, and what 1 stands for.
 #[derive(Debug)]
-pub struct CellWeights {
-    units: [Vec<u64>; 2],
+pub struct CellWeights<const N: usize> {
+    units: [Vec<u64>; N],
     unit: f64,
 }
 
@@ -62,16 +61,14 @@ impl Weights<'_> {
     }
 }
 
-impl CellWeights {
+impl<const N: usize> CellWeights<N> {
     /// In numbers whose sum is at most `most`.
-    pub fn new(weights: [Weights<'_>; 2], most: u64) -> Result<Self> {
+    pub fn new(weights: [Weights<'_>; N], most: u64) -> Result<Self> {
         for (k, of) in weights.iter().enumerate() {
             if let Some((i, x)) = of.values().iter().enumerate().find(|(_, x)| !(**x >= 0.0 && x.is_finite())) {
-                return Err(Error::InvalidArgument(format!(
-                    "weight {i} of part {} is {}; it must be at least 0 and finite",
-                    k + 1,
-                    number(*x)
-                )));
+                let of_part = if N > 1 { format!(" of part {}", k + 1) } else { String::new() };
+                let text = format!("weight {i}{of_part} is {}; it must be at least 0 and finite", number(*x));
+                return Err(Error::InvalidArgument(text));
             }
         }
         let n = weights.iter().map(Weights::len).sum::<usize>() as u64;
@@ -97,17 +94,16 @@ impl CellWeights {
             }
             Ok(units)
         };
-        Ok(CellWeights { units: [of(0)?, of(1)?], unit })
+        let mut all = [const { Vec::new() }; N];
+        for (k, units) in all.iter_mut().enumerate() {
+            *units = of(k)?;
+        }
+        Ok(CellWeights { units: all, unit })
     }
 
-    /// The whole numbers, `[n_1]` and `[n_2]`.
-    pub fn units(&self) -> [&[u64]; 2] {
+    /// The whole numbers, `[n]` for each part.
+    pub fn units(&self) -> [&[u64]; N] {
         self.units.each_ref().map(Vec::as_slice)
-    }
-
-    /// The sum of those of a set of cells of each part.
-    pub fn units_of(&self, sets: &[Bits; 2]) -> u64 {
-        sets.iter().zip(&self.units).map(|(set, units)| set.iter().map(|i| units[i]).sum::<u64>()).sum()
     }
 
     /// What 1 stands for.

@@ -1,7 +1,7 @@
 //! `ko_aggregation`, and aggregates of any values.
 
 use super::guard::guard;
-use super::pointer::{Sized_, array, check_wanted_place, place, read_sized_or, wanted, write_sized};
+use super::pointer::{Sized_, array, check_wanted_place, read_sized_or, tell, wanted, write_sized};
 use crate::constraint::{Aggregation, Derivatives, Extreme, Kind, Side, aggregate};
 use crate::{Error, Result};
 
@@ -139,11 +139,8 @@ pub unsafe extern "C" fn ko_aggregate(
         let (gradient, hessian) =
             unsafe { (wanted(gradient, n_values, "gradient")?, wanted(hessian, n_hessian, "hessian")?) };
         let found = aggregate(aggregation, extreme, unit, values, Derivatives { gradient, hessian })?;
-        if !value.is_null() {
-            // SAFETY: the header asks for NULL or a place to write.
-            *unsafe { place(value, "value") }? = found;
-        }
-        Ok(())
+        // SAFETY: the header asks for NULL or a place to write.
+        unsafe { tell(value, found) }
     })
 }
 
@@ -172,10 +169,8 @@ pub unsafe extern "C" fn ko_aggregation_bounds(
         check_wanted_place(below, "below")?;
         check_wanted_place(above, "above")?;
         for (to, bound) in [below, above].into_iter().zip(aggregation.bounds(n_values, least)) {
-            if !to.is_null() {
-                // SAFETY: the header asks for NULL or a place to write.
-                *unsafe { place(to, "a bound") }? = bound;
-            }
+            // SAFETY: the header asks for NULL or a place to write.
+            unsafe { tell(to, bound) }?;
         }
         Ok(())
     })

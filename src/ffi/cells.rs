@@ -13,11 +13,17 @@ pub(super) unsafe fn read_set(pointer: *const u8, len: usize, name: &str) -> Res
     bits_of(unsafe { array(pointer, len, name) }?, name)
 }
 
-/// The set of the cells whose byte is 1.
-pub(super) fn bits_of(bytes: &[u8], name: &str) -> Result<Bits> {
+/// Refuses bytes that are no set.
+pub(super) fn check_set(bytes: &[u8], name: &str) -> Result<()> {
     if let Some((i, byte)) = bytes.iter().enumerate().find(|(_, byte)| **byte > 1) {
         return Err(Error::InvalidArgument(format!("entry {i} of {name} is {byte}; it must be 0 or 1")));
     }
+    Ok(())
+}
+
+/// The set of the cells whose byte is 1.
+pub(super) fn bits_of(bytes: &[u8], name: &str) -> Result<Bits> {
+    check_set(bytes, name)?;
     Bits::of(bytes.len(), |i| bytes[i] == 1)
 }
 

@@ -6,7 +6,7 @@ use super::mesh::ko_mesh;
 use super::pointer::{Sized_, check_sized, object, read_sized_or, write_sized};
 use super::progress::{ko_progress, listener};
 use super::status::{KO_BUDGET_REACHED, KO_OK, KO_SIDE_NOT_CERTIFIED};
-use crate::dimension::OfDimension;
+use crate::dimension::{OfDimension, differ};
 use crate::field::{Certificate, CertifyOptions};
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -208,11 +208,7 @@ pub unsafe extern "C" fn ko_field_certify(
             (OfDimension::Space(field), OfDimension::Space(mesh)) => {
                 ko_certificate::of(&field.certify(mesh, clearance, covering_radius, &options, &mut progress)?)
             }
-            _ => {
-                let (field, mesh) = (field.dim(), mesh.dim());
-                let text = format!("the field has dim {field}, the mesh dim {mesh}; they must be the same");
-                return Err(Error::InvalidArgument(text));
-            }
+            _ => return Err(differ(&[("the field", field.dim()), ("the mesh", mesh.dim())])),
         };
         // SAFETY: the header asks for a struct of this size.
         unsafe { write_sized(certificate, certificate_size, found, "certificate") }?;

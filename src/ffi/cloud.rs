@@ -2,8 +2,8 @@
 
 use super::guard::{guard, guard_free};
 use super::mesh::{check_count, copied, ko_mesh};
-use super::pointer::{array, array_mut, create, free, object, place, wanted};
-use crate::dimension::{OfDimension, in_its_dimension};
+use super::pointer::{array, array_mut, array_or_none, create, free, object, place, wanted};
+use crate::dimension::{OfDimension, differ, in_its_dimension, no_dim};
 use crate::geometry::orient::NormalOptions;
 use crate::geometry::{Cloud, Mesh};
 use crate::progress::Progress;
@@ -34,7 +34,7 @@ pub unsafe extern "C" fn ko_cloud_from_points(
                 2 => OfDimension::Plane(unsafe { from_points(points, normals, n_points) }?),
                 // SAFETY: as above.
                 3 => OfDimension::Space(unsafe { from_points(points, normals, n_points) }?),
-                _ => return Err(Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))),
+                _ => return Err(no_dim(dim)),
             }))
         };
         // SAFETY: the header asks for a handle to write.
@@ -238,7 +238,7 @@ pub unsafe extern "C" fn ko_cloud_follow(
             Ok(ko_cloud(match (cloud, mesh) {
                 (OfDimension::Plane(cloud), OfDimension::Plane(mesh)) => OfDimension::Plane(cloud.follow(mesh)?),
                 (OfDimension::Space(cloud), OfDimension::Space(mesh)) => OfDimension::Space(cloud.follow(mesh)?),
-                _ => return Err(other_dimension(cloud.dim(), mesh.dim())),
+                _ => return Err(differ(&[("the cloud", cloud.dim()), ("the mesh", mesh.dim())])),
             }))
         };
         // SAFETY: the header asks for a handle to write.
@@ -279,13 +279,9 @@ pub unsafe extern "C" fn ko_cloud_pull_back(
             (OfDimension::Space(cloud), OfDimension::Space(mesh)) => unsafe {
                 pull_back(cloud, mesh, given, [n_points, n_vertices], d_vertices)
             },
-            _ => Err(other_dimension(cloud.dim(), mesh.dim())),
+            _ => Err(differ(&[("the cloud", cloud.dim()), ("the mesh", mesh.dim())])),
         }
     })
-}
-
-fn other_dimension(cloud: u32, mesh: u32) -> Error {
-    Error::InvalidArgument(format!("the cloud has dim {cloud}, the mesh dim {mesh}; they must be the same"))
 }
 
 /// # Safety
@@ -299,15 +295,13 @@ unsafe fn pull_back<const D: usize>(
 ) -> Result<()> {
     check_count("n_points", n_points, cloud.len())?;
     check_count("n_vertices", n_vertices, mesh.vertices().len())?;
-    let read = |from: *const f64, name| {
-        if from.is_null() {
-            return Ok(None);
-        }
-        // SAFETY: the caller's promise.
-        unsafe { array(from.cast::<[f64; D]>(), n_points, name) }.map(Some)
-    };
-    let (points, normals) = (read(given[0], "d_points")?, read(given[1], "d_normals")?);
     // SAFETY: the caller's promise.
-    let vertices = unsafe { array_mut(vertices.cast::<[f64; D]>(), n_vertices, "d_vertices") }?;
+    let (points, normals, vertices) = unsafe {
+        (
+            array_or_none(given[0].cast(), n_points, "d_points")?,
+            array_or_none(given[1].cast(), n_points, "d_normals")?,
+            array_mut(vertices.cast(), n_vertices, "d_vertices")?,
+        )
+    };
     cloud.pull_back(mesh, points, normals, vertices)
 }

@@ -5,9 +5,9 @@ use super::body::ko_body;
 use super::field::ko_field;
 use super::guard::{guard, guard_free};
 use super::mesh::check_count;
-use super::pointer::{array, array_mut, check_wanted_place, create, free, object, place};
+use super::pointer::{array, array_mut, check_wanted_place, create, free, object, place, tell};
 use crate::constraint::{Aggregation, Constraints, Extreme, FrameId, PointsId, PoseKind, Region, Rotation, Scale};
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::dimension::{OfDimension, differ, in_its_dimension, no_dim};
 use crate::field::Field;
 use crate::{Error, Result};
 use std::sync::Arc;
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn ko_constraints_create(dim: u32, constraints: *mut *mut 
             Ok(ko_constraints(match dim {
                 2 => OfDimension::Plane(Constraints::new()),
                 3 => OfDimension::Space(Constraints::new()),
-                _ => return Err(Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))),
+                _ => return Err(no_dim(dim)),
             }))
         };
         // SAFETY: the header asks for a handle to write.
@@ -674,19 +674,4 @@ fn write<'a>(places: &mut impl Iterator<Item = (&'a mut i32, &'a mut i32)>, row:
     let (to_row, to_column) = places.next().expect("there is a place for each entry");
     // Entries are within 2^31, as a set of constraints sees to.
     (*to_row, *to_column) = (row as i32, column as i32);
-}
-
-fn differ(dims: &[(&str, u32)]) -> Error {
-    let dims: Vec<String> = dims.iter().map(|(what, dim)| format!("{what} dim {dim}")).collect();
-    Error::InvalidArgument(format!("{}; they must be the same", dims.join(", ")))
-}
-
-/// # Safety
-/// `to` is NULL or a place to write.
-unsafe fn tell(to: *mut usize, n: usize) -> Result<()> {
-    if !to.is_null() {
-        // SAFETY: the caller's promise.
-        *unsafe { place(to, "a number") }? = n;
-    }
-    Ok(())
 }

@@ -8,7 +8,7 @@ use super::pointer::{array, array_mut, create, free, object, path, wanted};
 use super::progress::listener;
 use super::report::ko_fit_report;
 use super::status::{KO_BUDGET_REACHED, KO_OK};
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::dimension::{OfDimension, differ, in_its_dimension, no_dim};
 use crate::field::eval::packed;
 use crate::field::{self, Feasible, Field, FitOptions, Lattice, Outputs, domain};
 use crate::progress::Progress;
@@ -110,11 +110,7 @@ pub unsafe extern "C" fn ko_field_refit(
                 (OfDimension::Space(start), OfDimension::Space(cloud)) => {
                     OfDimension::Space(start.refit(cloud, &options, &mut progress)?)
                 }
-                _ => {
-                    let (start, cloud) = (start.dim(), cloud.dim());
-                    let text = format!("start has dim {start}, the cloud dim {cloud}; they must be the same");
-                    return Err(Error::InvalidArgument(text));
-                }
+                _ => return Err(differ(&[("start", start.dim()), ("the cloud", cloud.dim())])),
             };
             remark = remark_on(&field, &options);
             Ok(shared(field))
@@ -163,7 +159,7 @@ pub unsafe extern "C" fn ko_field_from_control_points(
                 2 => OfDimension::Plane(unsafe { from_control_points(counts, [box_min, box_max], given) }?),
                 // SAFETY: as above.
                 3 => OfDimension::Space(unsafe { from_control_points(counts, [box_min, box_max], given) }?),
-                _ => return Err(Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))),
+                _ => return Err(no_dim(dim)),
             }))
         };
         // SAFETY: the header asks for a handle to write.

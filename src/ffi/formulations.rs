@@ -5,7 +5,7 @@ use super::fit_options::{KO_FEASIBLE_OUTSIDE, feasible};
 use super::guard::{guard, guard_free};
 use super::mesh::{check_count, ko_mesh};
 use super::pointer::{
-    Sized_, array, check_wanted_sized, create, free, object, place, read_sized_or, wanted, write_sized,
+    Sized_, array, check_wanted_sized, create, free, object, object_or_none, place, read_sized_or, wanted, write_sized,
 };
 use crate::constraint::formulations::brelje::{ByVertices, PairDistance, separation};
 use crate::constraint::formulations::{Explicit, ExplicitOptions, Formulation};
@@ -257,11 +257,8 @@ pub unsafe extern "C" fn ko_meshes_separation(
     guard(|| {
         // SAFETY: the header asks for meshes.
         let (a, b) = unsafe { (in_space(mesh_a, "mesh_a")?, in_space(mesh_b, "mesh_b")?) };
-        let by = match translation.is_null() {
-            true => [0.0; 3],
-            // SAFETY: the header asks for NULL or three numbers.
-            false => *unsafe { object(translation.cast::<[f64; 3]>(), "translation") }?,
-        };
+        // SAFETY: the header asks for NULL or three numbers.
+        let by = unsafe { object_or_none(translation.cast(), "translation") }?.copied().unwrap_or([0.0; 3]);
         check_wanted_sized(separation, struct_size, "separation")?;
         // SAFETY: the header asks for NULL or arrays of this length, used by no one else.
         let to = unsafe {

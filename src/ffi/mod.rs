@@ -9,6 +9,7 @@
 #![allow(rustdoc::broken_intra_doc_links)]
 
 mod aggregation;
+mod assembly;
 mod body;
 mod cells;
 mod certify;
@@ -23,9 +24,12 @@ mod mesh;
 mod motion;
 mod normals;
 mod pair;
+mod pair_contact;
+mod pair_optimise;
 mod pair_options;
 mod pair_shapes;
 mod part;
+mod part_mesh;
 mod pointer;
 mod progress;
 mod report;
@@ -36,6 +40,7 @@ mod sweep;
 mod version;
 
 pub use aggregation::*;
+pub use assembly::*;
 pub use body::*;
 pub use certify::*;
 pub use cloud::*;
@@ -48,9 +53,12 @@ pub use mesh::*;
 pub use motion::*;
 pub use normals::*;
 pub use pair::*;
+pub use pair_contact::*;
+pub use pair_optimise::*;
 pub use pair_options::*;
 pub use pair_shapes::*;
 pub use part::*;
+pub use part_mesh::*;
 pub use progress::*;
 pub use report::*;
 pub use sensitivity::*;

@@ -1,10 +1,12 @@
 //! `ko_motion`, and laws.
 
 use super::guard::{guard, guard_free};
-use super::pointer::{Sized_, array, array_mut, create, create_all, free, object, place, read_sized, write_sized};
+use super::pointer::{
+    Sized_, array, array_mut, create, create_all, free, object, object_or_none, place, read_sized, write_sized,
+};
 use crate::cogen::mechanism::{Bend, FourBar, gears};
 use crate::cogen::{Law, Motion, Wave};
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::dimension::{OfDimension, differ, in_its_dimension, no_dim};
 use crate::error::try_with_capacity;
 use crate::geometry::rigid::Rigid;
 use crate::geometry::vec::number;
@@ -107,16 +109,11 @@ pub unsafe extern "C" fn ko_motion_fixed(
 /// # Safety
 /// Both are NULL or arrays of D^2 and D.
 unsafe fn fixed<const D: usize>(rotation: *const f64, translation: *const f64) -> Result<Motion<D>> {
-    let mut pose = Rigid::<D>::IDENTITY;
-    if !rotation.is_null() {
-        // SAFETY: the caller's promise.
-        pose.turn = *unsafe { object(rotation.cast(), "rotation") }?;
-    }
-    if !translation.is_null() {
-        // SAFETY: the caller's promise.
-        pose.shift = *unsafe { object(translation.cast(), "translation") }?;
-    }
-    Ok(Motion::at_pose(Rigid::new(pose.turn, pose.shift)?))
+    // SAFETY: the caller's promise.
+    let (turn, shift) =
+        unsafe { (object_or_none(rotation.cast(), "rotation")?, object_or_none(translation.cast(), "translation")?) };
+    let still = Rigid::<D>::IDENTITY;
+    Ok(Motion::at_pose(Rigid::new(*turn.unwrap_or(&still.turn), *shift.unwrap_or(&still.shift))?))
 }
 
 /// Makes a slide: at t the part is moved by f(t) times `along` [dim], f being the `law`.
@@ -454,19 +451,27 @@ pub unsafe extern "C" fn ko_motion_eval(
 }
 
 /// `error` of what is at `place`.
-fn at(place: &str, error: Error) -> Error {
+pub(super) fn at(place: &str, error: Error) -> Error {
     match error {
         Error::InvalidArgument(text) => Error::InvalidArgument(format!("{place}: {text}")),
         other => other,
     }
 }
 
-pub(super) fn no_dim(dim: u32) -> Error {
-    Error::InvalidArgument(format!("dim is {dim}; it must be 2 or 3"))
+/// The motion of a part of the plane.
+pub(super) fn in_plane(motion: Option<&ko_motion>) -> Result<Motion<2>> {
+    match motion {
+        None => Ok(Motion::fixed()),
+        Some(ko_motion(OfDimension::Plane(motion))) => Ok(motion.clone()),
+        Some(_) => Err(differ(&[("a part", 2), ("its motion", 3)])),
+    }
 }
 
-/// The error of things of different dimensions.
-pub(super) fn differ(dims: &[(&str, u32)]) -> Error {
-    let dims: Vec<String> = dims.iter().map(|(what, dim)| format!("{what} has dim {dim}")).collect();
-    Error::InvalidArgument(format!("{}; they must be the same", dims.join(", ")))
+/// The motion of a part of space.
+pub(super) fn in_space(motion: Option<&ko_motion>) -> Result<Motion<3>> {
+    match motion {
+        None => Ok(Motion::fixed()),
+        Some(ko_motion(OfDimension::Space(motion))) => Ok(motion.clone()),
+        Some(_) => Err(differ(&[("a part", 3), ("its motion", 2)])),
+    }
 }

@@ -3,15 +3,16 @@
 use super::cells::put;
 use super::guard::{guard, guard_free, guard_with_remark};
 use super::mesh::check_count;
-use super::motion::{differ, ko_motion};
+use super::motion::{in_plane, in_space, ko_motion};
 use super::pair_options::{Wanted, ko_pair_options};
 use super::part::ko_part;
-use super::pointer::{Sized_, array, array_mut, check_wanted_place, create, free, object, place, wanted, write_sized};
+use super::pointer::{
+    Sized_, array, array_mut, check_wanted_place, create, free, object, object_or_none, tell, wanted, write_sized,
+};
 use super::progress::listener;
 use super::status::{KO_NEVER_MEET, KO_OK};
-use super::sweep::{in_plane, in_space, motion_or_none};
-use crate::cogen::{Bits, Conflicts, Correlation, OverlapOptions, Part, Relative, Side, room};
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::cogen::{Bits, Change, Conflicts, Correlation, Grid, OverlapOptions, Part, Relative, Side, room};
+use crate::dimension::{OfDimension, differ, in_its_dimension};
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -103,7 +104,7 @@ pub unsafe extern "C" fn ko_pair_create(
                 (
                     object(part_1, "part_1")?,
                     object(part_2, "part_2")?,
-                    [motion_or_none(motion_1, "motion_1")?, motion_or_none(motion_2, "motion_2")?],
+                    [object_or_none(motion_1, "motion_1")?, object_or_none(motion_2, "motion_2")?],
                     ko_pair_options::read(options)?,
                 )
             };
@@ -142,35 +143,39 @@ unsafe fn coupled<const D: usize>(
     let (overlap, n_steps, workers) = (options.overlap()?, options.measure_steps()?, Workers::new(options.n_threads)?);
     let both = parts.map(|part| &**part);
     // SAFETY: the caller's promise.
-    let mut tell = unsafe { listener(options.progress, options.progress_data) };
+    let mut told = unsafe { listener(options.progress, options.progress_data) };
+    let mut progress = Progress::new(&mut told);
     // Measures take the first half of what is told where there are both.
-    let share = if n_steps > 0 && wanted == Wanted::Overlap { 0.5 } else { 1.0 };
+    let share = match (n_steps, wanted) {
+        (0, _) => 0.0,
+        (_, Wanted::None) => 1.0,
+        _ => 0.5,
+    };
     let correlation = if n_steps > 0 {
-        let mut first = |fraction: f64, stage: &str| tell(share * fraction, stage);
-        let mut progress = Progress::new(&mut first);
-        Some(Correlation::new(both, &relative, n_steps, options.max_bytes, &workers, &mut progress)?)
+        let measure =
+            |part: &mut Progress<'_>| Correlation::new(both, &relative, n_steps, options.max_bytes, &workers, part);
+        Some(progress.part(0.0, share, measure)?)
     } else {
         None
     };
     let taken = correlation.as_ref().map_or(0, Correlation::bytes) as u64;
     let conflicts = match (wanted, &correlation) {
         (Wanted::Overlap, _) => {
-            let mut second = |fraction: f64, stage: &str| tell(1.0 - share + share * fraction, stage);
             let overlap = OverlapOptions { max_bytes: options.max_bytes.saturating_sub(taken), ..overlap };
-            Some(Conflicts::of_overlap(both, &relative, &overlap, &mut Progress::new(&mut second))?)
+            let look = |part: &mut Progress<'_>| Conflicts::of_overlap(both, &relative, &overlap, part);
+            Some(progress.part(share, 1.0, look)?)
         }
-        (Wanted::Measure, Some(correlation)) => Some(correlation.conflicts(&workers)?),
+        (Wanted::Measure, Some(correlation)) => {
+            let max_bytes = options.max_bytes.saturating_sub(taken);
+            let look = |part: &mut Progress<'_>| correlation.conflicts(max_bytes, &workers, part);
+            Some(progress.part(share, 1.0, look)?)
+        }
         _ => None,
     };
     let graph = match conflicts {
         Some(conflicts) => {
             let room = room(&conflicts, both, &relative)?;
-            let near = |side: Side| -> Result<Bits> {
-                let mut cells = conflicts.neighbours(side.other(), &room[side.other().index()])?;
-                cells.intersect(&room[side.index()]);
-                Ok(cells)
-            };
-            let colliding = [near(Side::First)?, near(Side::Second)?];
+            let colliding = conflicts.colliding(&room)?;
             Some(Graph { conflicts, room, colliding })
         }
         None => None,
@@ -182,6 +187,15 @@ impl<const D: usize> Coupled<D> {
     /// Numbers of both parts' cells.
     pub fn n_cells(&self) -> [usize; 2] {
         self.parts.each_ref().map(|part| part.grid().n_cells())
+    }
+
+    pub fn grids(&self) -> [&Grid<D>; 2] {
+        self.parts.each_ref().map(|part| part.grid())
+    }
+
+    /// The cells that each part keeps.
+    pub fn frozen(&self) -> [&Bits; 2] {
+        self.parts.each_ref().map(|part| part.frozen())
     }
 
     /// Refuses other numbers of cells.
@@ -260,6 +274,24 @@ unsafe fn densities<'a>(one: *const f64, n_1: usize, two: *const f64, n_2: usize
     unsafe { Ok([array(one, n_1, "densities_1")?, array(two, n_2, "densities_2")?]) }
 }
 
+/// Where gradients of both measures by both parts' densities go.
+///
+/// # Safety
+/// Each is NULL or an array of n_1 or n_2 numbers that no one else uses during `'a`.
+unsafe fn gradients<'a>(
+    [[d21_d1, d21_d2], [d12_d1, d12_d2]]: [[*mut f64; 2]; 2],
+    n_1: usize,
+    n_2: usize,
+) -> Result<[[&'a mut [f64]; 2]; 2]> {
+    // SAFETY: the caller's promise.
+    unsafe {
+        Ok([
+            [array_mut(d21_d1, n_1, "d21_d1")?, array_mut(d21_d2, n_2, "d21_d2")?],
+            [array_mut(d12_d1, n_1, "d12_d1")?, array_mut(d12_d2, n_2, "d12_d2")?],
+        ])
+    }
+}
+
 /// Evaluates the collision measures (29) and (30) of Morris and Behandish 2022 for `densities_1` [n_1] and `densities_2` [n_2]: `*g21`, the area or
 /// volume of part 2 that is in part 1, times the fraction of the motion that it is; `*g12`, that of part 1 in part 2. Either may be NULL.
 ///
@@ -287,13 +319,11 @@ pub unsafe extern "C" fn ko_pair_measures(
         let found = in_its_dimension!(pair, pair => {
             pair.correlation()?.measures(rho, &Workers::new(n_threads)?)?
         });
-        for (to, value) in [(g21, found.g21), (g12, found.g12)] {
-            if !to.is_null() {
-                // SAFETY: the header asks for NULL or a place to write.
-                *unsafe { place(to, "a measure") }? = value;
-            }
+        // SAFETY: the header asks for NULL or places to write.
+        unsafe {
+            tell(g21, found.g21)?;
+            tell(g12, found.g12)
         }
-        Ok(())
     })
 }
 
@@ -362,14 +392,61 @@ pub unsafe extern "C" fn ko_pair_sensitivities(
             (
                 object(pair, "pair")?,
                 densities(densities_1, n_1, densities_2, n_2)?,
-                [
-                    [array_mut(d21_d1, n_1, "d21_d1")?, array_mut(d21_d2, n_2, "d21_d2")?],
-                    [array_mut(d12_d1, n_1, "d12_d1")?, array_mut(d12_d2, n_2, "d12_d2")?],
-                ],
+                gradients([[d21_d1, d21_d2], [d12_d1, d12_d2]], n_1, n_2)?,
             )
         };
         in_its_dimension!(pair, pair => {
             pair.correlation()?.sensitivities(rho, out, &Workers::new(n_threads)?)
+        })
+    })
+}
+
+/// Cells are put to a part.
+pub const KO_CHANGE_PUT: i32 = 0;
+/// Cells are taken from a part.
+pub const KO_CHANGE_TAKE: i32 = 1;
+
+/// Evaluates the topological sensitivities (B.1) and (B.2) of Morris and Behandish 2022: how g_21 changes, by the area or volume, as a cell is put
+/// to a part or taken from it, `d21_d1` [n_1] and `d21_d2` [n_2], and g_12, `d12_d1` [n_1] and `d12_d2` [n_2].
+///
+/// `change` is a KO_CHANGE_ constant. They have no unit: what (B.5), (B.6) and (B.12) tend to, the fraction of the motion that the place is in the
+/// other part. Of a cell that the part fills there is nothing to put, of one that it has not there is nothing to take: 0. In cells that the
+/// surface cuts the paper leaves the limit open; here they have their shares, 1 - density and density.
+/// Errors, threads, cost: those of `ko_pair_sensitivities`; KO_ERR_INVALID_ARGUMENT for another change.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_pair_topological_sensitivities(
+    pair: *const ko_pair,
+    densities_1: *const f64,
+    n_1: usize,
+    densities_2: *const f64,
+    n_2: usize,
+    change: i32,
+    n_threads: u32,
+    d21_d1: *mut f64,
+    d21_d2: *mut f64,
+    d12_d1: *mut f64,
+    d12_d2: *mut f64,
+) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a pair and arrays of these lengths.
+        let (ko_pair(pair), rho, out) = unsafe {
+            (
+                object(pair, "pair")?,
+                densities(densities_1, n_1, densities_2, n_2)?,
+                gradients([[d21_d1, d21_d2], [d12_d1, d12_d2]], n_1, n_2)?,
+            )
+        };
+        let change = match change {
+            KO_CHANGE_PUT => Change::Put,
+            KO_CHANGE_TAKE => Change::Take,
+            _ => {
+                return Err(Error::InvalidArgument(format!(
+                    "change is {change}; it must be KO_CHANGE_PUT (0) or KO_CHANGE_TAKE (1)"
+                )));
+            }
+        };
+        in_its_dimension!(pair, pair => {
+            pair.correlation()?.topological_sensitivities(rho, change, out, &Workers::new(n_threads)?)
         })
     })
 }

@@ -1,10 +1,17 @@
 //! Options of `ko_pair` and of its calls.
 
 use super::guard::guard;
-use super::pointer::{Sized_, read_sized_or, write_sized};
+use super::motion::at;
+use super::pointer::{Sized_, array, read_sized_or, write_sized};
 use super::progress::ko_progress;
-use crate::cogen::{FamilyOptions, OptimiseOptions, OverlapOptions, Sampling, Side};
-use crate::geometry::vec::number;
+use crate::cogen::{
+    Conflicts, FamilyOptions, Folded, Grid, OptimiseOptions, OverlapOptions, PersistenceOptions, Sampling, Side,
+    Symmetry,
+};
+use crate::error::try_with_capacity;
+use crate::geometry::matrix::{Matrix, applied};
+use crate::geometry::vec::{add, number};
+use crate::par::Workers;
 use crate::{Error, Result};
 use std::ffi::c_void;
 
@@ -32,8 +39,7 @@ pub struct ko_pair_options {
     pub measure_steps: u64,
     /// Distance that parts keep from each other at all times, in the unit of length, at least 0; with KO_CONFLICTS_OF_OVERLAP. Default 0.
     pub clearance: f64,
-    /// Bytes that measures and a graph of overlap may take together; more is refused as soon as it is seen, with what it would take. Default
-    /// 8 GiB.
+    /// Bytes that measures and conflict graph may take together; more is refused as soon as it is seen, with what it would take. Default 8 GiB.
     pub max_bytes: u64,
     /// A KO_CONFLICTS_ constant. Default KO_CONFLICTS_OF_OVERLAP.
     pub conflicts: i32,
@@ -63,6 +69,19 @@ pub struct ko_family_options {
     /// Pairs of a family are good enough at this fraction below the bound, in [0, 1); with 0 the convex hull of all pairs' volumes is looked for at
     /// each gamma. A cut is exact whatever it is. Default 0.005.
     pub gap: f64,
+    /// Maps by which pairs shall be symmetric, [2 * dim * (dim + 1) * n_symmetries]; NULL (default) for none. Of each map a matrix A [dim * dim],
+    /// row-major, and a vector b [dim] for part 1, then A and b for part 2: x goes to A x + b in the part's own frame, a turn or a mirror. They must
+    /// carry the grids onto themselves, and conflicts onto conflicts; only whole orbits of cells are in a pair then.
+    pub symmetries: *const f64,
+    /// Maps.
+    pub n_symmetries: usize,
+    /// The fraction of the conflicts that may miss their images, in [0, 1), such as where steps of time are not carried onto steps; images that are
+    /// missed count as conflicts. Default 0.
+    pub symmetry_excess: f64,
+    /// Threads for symmetries, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+    pub n_threads: u32,
+    /// Must be 0.
+    pub reserved: u32,
     /// Told of progress, or NULL (default).
     pub progress: ko_progress,
     /// Handed to `progress`.
@@ -71,7 +90,7 @@ pub struct ko_family_options {
 
 // SAFETY: as above.
 unsafe impl Sized_ for ko_family_options {
-    const FIRST_SIZE: usize = 2 * size_of::<usize>() + 8 + size_of::<ko_progress>();
+    const FIRST_SIZE: usize = 4 * size_of::<usize>() + 24 + size_of::<ko_progress>();
 }
 
 const _: () = assert!(size_of::<ko_family_options>() == <ko_family_options as Sized_>::FIRST_SIZE);
@@ -111,6 +130,38 @@ unsafe impl Sized_ for ko_optimise_options {
 
 const _: () = assert!(size_of::<ko_optimise_options>() == <ko_optimise_options as Sized_>::FIRST_SIZE);
 
+/// Options of `ko_pair_more_persistent`. Initialise by `ko_persistence_options_init`, then set what shall differ.
+#[allow(non_camel_case_types)]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct ko_persistence_options {
+    /// sizeof(ko_persistence_options), set by ko_persistence_options_init.
+    pub struct_size: usize,
+    /// h, the gap at which persistence is 1/2, in the unit of length; 0 (default): the edge of the larger of both parts' cells.
+    pub scale: f64,
+    /// gamma of the pairs that are looked at, from and to, in [0, 1]. Default 0 and 1.
+    pub gammas: [f64; 2],
+    /// Even times at which gaps are measured. Default 200.
+    pub n_times: u64,
+    /// Pairs that are tried, at most. Default 100.
+    pub max_tries: u64,
+    /// Threads, at most 1024: 0 (default) for all cores, 1 for none but the caller's. The result does not depend on it.
+    pub n_threads: u32,
+    /// Must be 0.
+    pub reserved: u32,
+    /// Told of progress, or NULL (default).
+    pub progress: ko_progress,
+    /// Handed to `progress`.
+    pub progress_data: *mut c_void,
+}
+
+// SAFETY: as above.
+unsafe impl Sized_ for ko_persistence_options {
+    const FIRST_SIZE: usize = 2 * size_of::<usize>() + 48 + size_of::<ko_progress>();
+}
+
+const _: () = assert!(size_of::<ko_persistence_options>() == <ko_persistence_options as Sized_>::FIRST_SIZE);
+
 /// Fills `options` with the defaults. `struct_size` is sizeof *options.
 ///
 /// Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
@@ -142,6 +193,31 @@ pub unsafe extern "C" fn ko_optimise_options_init(options: *mut ko_optimise_opti
         // SAFETY: the header asks for a struct of this size.
         unsafe { write_sized(options, struct_size, ko_optimise_options::defaults(), "options") }
     })
+}
+
+/// Fills `options` with the defaults. `struct_size` is sizeof *options.
+///
+/// Errors: KO_ERR_INVALID_ARGUMENT for NULL or a size that is none. Threads: any. Cost: none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn ko_persistence_options_init(options: *mut ko_persistence_options, struct_size: usize) -> i32 {
+    guard(|| {
+        // SAFETY: the header asks for a struct of this size.
+        unsafe { write_sized(options, struct_size, ko_persistence_options::defaults(), "options") }
+    })
+}
+
+/// A map of a part's frame as C hands it over.
+#[derive(Clone, Copy)]
+#[repr(C)]
+struct Affine<const D: usize> {
+    matrix: Matrix<D>,
+    vector: [f64; D],
+}
+
+impl<const D: usize> Affine<D> {
+    fn apply(&self, p: [f64; D]) -> [f64; D] {
+        add(applied(&self.matrix, p), self.vector)
+    }
 }
 
 /// What the graph is of.
@@ -232,6 +308,11 @@ impl ko_family_options {
         ko_family_options {
             struct_size: size_of::<ko_family_options>(),
             gap: FamilyOptions::default().gap,
+            symmetries: std::ptr::null(),
+            n_symmetries: 0,
+            symmetry_excess: 0.0,
+            n_threads: 0,
+            reserved: 0,
             progress: None,
             progress_data: std::ptr::null_mut(),
         }
@@ -248,6 +329,29 @@ impl ko_family_options {
 
     pub(super) fn to_family_options(self) -> FamilyOptions {
         FamilyOptions { gap: self.gap }
+    }
+
+    /// The graph of orbits, if pairs shall be symmetric.
+    ///
+    /// # Safety
+    /// `symmetries` is NULL or an array of as many numbers as its docs say.
+    pub(super) unsafe fn folded<const D: usize>(
+        &self,
+        grids: [&Grid<D>; 2],
+        conflicts: &Conflicts,
+    ) -> Result<Option<Folded>> {
+        check_reserved(self.reserved)?;
+        if self.n_symmetries == 0 {
+            return Ok(None);
+        }
+        // SAFETY: the caller's promise.
+        let maps = unsafe { array(self.symmetries.cast::<[Affine<D>; 2]>(), self.n_symmetries, "symmetries") }?;
+        let mut all = try_with_capacity(maps.len(), "symmetries")?;
+        for (m, [one, two]) in maps.iter().enumerate() {
+            let made = Symmetry::of_points(grids, [&|p| one.apply(p), &|p| two.apply(p)]);
+            all.push(made.map_err(|error| at(&format!("symmetry {m}"), error))?);
+        }
+        Folded::new(conflicts, &all, self.symmetry_excess, &Workers::new(self.n_threads)?).map(Some)
     }
 }
 
@@ -278,9 +382,7 @@ impl ko_optimise_options {
     }
 
     pub(super) fn to_optimise_options(self) -> Result<OptimiseOptions> {
-        if self.reserved != 0 {
-            return Err(Error::InvalidArgument(format!("reserved is {}; it must be 0", self.reserved)));
-        }
+        check_reserved(self.reserved)?;
         Ok(OptimiseOptions {
             gamma: self.gamma,
             max_iterations: self.max_iterations as usize,
@@ -289,6 +391,49 @@ impl ko_optimise_options {
             from: side("close_from", self.close_from)?,
         })
     }
+}
+
+impl ko_persistence_options {
+    fn defaults() -> Self {
+        let d = PersistenceOptions::default();
+        ko_persistence_options {
+            struct_size: size_of::<ko_persistence_options>(),
+            scale: d.scale,
+            gammas: d.gammas,
+            n_times: d.n_times as u64,
+            max_tries: d.max_tries as u64,
+            n_threads: 0,
+            reserved: 0,
+            progress: None,
+            progress_data: std::ptr::null_mut(),
+        }
+    }
+
+    /// The options at `pointer`, or the defaults for NULL.
+    ///
+    /// # Safety
+    /// `pointer` is NULL or points to as many bytes as its `struct_size` says.
+    pub(super) unsafe fn read(pointer: *const Self) -> Result<Self> {
+        // SAFETY: the caller's promise.
+        unsafe { read_sized_or(pointer, Self::defaults(), "options") }
+    }
+
+    pub(super) fn to_persistence_options(self) -> Result<PersistenceOptions> {
+        check_reserved(self.reserved)?;
+        Ok(PersistenceOptions {
+            n_times: count("n_times", self.n_times)?,
+            scale: self.scale,
+            max_tries: count("max_tries", self.max_tries)?,
+            gammas: self.gammas,
+        })
+    }
+}
+
+pub(super) fn check_reserved(reserved: u32) -> Result<()> {
+    if reserved == 0 {
+        return Ok(());
+    }
+    Err(Error::InvalidArgument(format!("reserved is {reserved}; it must be 0")))
 }
 
 /// Part 1 or 2, none for 0.

@@ -1,49 +1,16 @@
 //! Pairs of sets of cells that never collide: what `ko_pair` makes.
 
 use super::cells::{put, read_set};
-use super::guard::{guard, guard_with_remark};
+use super::guard::guard;
 use super::pair::{Coupled, Graph, ko_pair};
-use super::pair_options::{ko_family_options, ko_optimise_options, side};
-use super::pointer::{Sized_, array, array_mut, check_sized, check_wanted_place, object, place, wanted, write_sized};
-use super::progress::{ko_progress, listener};
-use super::status::{KO_BUDGET_REACHED, KO_OK};
+use super::pair_options::{ko_family_options, side};
+use super::pointer::{array, array_mut, array_or_none, check_wanted_place, object, tell, wanted};
+use super::progress::listener;
 use crate::Result;
 use crate::cogen::weights::{MOST_OF_CUT, MOST_OF_FAMILY};
-use crate::cogen::{
-    Bits, CellWeights, Design, Optimised, Pair, Side, Weights, close, contact, cut, family, larger, optimise,
-};
+use crate::cogen::{Bits, CellWeights, Pair, Side, Weights, close, cut, family, larger};
 use crate::dimension::in_its_dimension;
-use crate::par::Workers;
 use crate::progress::Progress;
-use std::ffi::c_void;
-
-/// What an optimisation found. Filled by `ko_pair_optimise`.
-#[allow(non_camel_case_types)]
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct ko_optimise_report {
-    /// sizeof(ko_optimise_report) as the caller knows it.
-    pub struct_size: usize,
-    /// gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells.
-    pub gamma: f64,
-    /// Areas or volumes of what is left of the colliding cells of part 1 and 2 in the closed pair.
-    pub volumes: [f64; 2],
-    /// g_21 and g_12 of the last densities: 0 of the closed pair.
-    pub measures: [f64; 2],
-    /// The part of the colliding volume that the last iteration changed.
-    pub change: f64,
-    /// Iterations.
-    pub n_iterations: u32,
-    /// 1: the last change is below the tolerance. 0: KO_BUDGET_REACHED.
-    pub converged: i32,
-}
-
-// SAFETY: repr(C), starts with a usize, plain numbers without padding (checked below).
-unsafe impl Sized_ for ko_optimise_report {
-    const FIRST_SIZE: usize = size_of::<usize>() + 6 * 8 + 8;
-}
-
-const _: () = assert!(size_of::<ko_optimise_report>() == <ko_optimise_report as Sized_>::FIRST_SIZE);
 
 impl<const D: usize> Coupled<D> {
     /// The pair that one gets by keeping one of `sets`.
@@ -54,7 +21,7 @@ impl<const D: usize> Coupled<D> {
     }
 
     /// Areas or volumes of what is left of both parts' colliding cells, and gamma.
-    fn volumes(&self, sets: [&Bits; 2]) -> Result<([f64; 2], f64)> {
+    pub(super) fn volumes(&self, sets: [&Bits; 2]) -> Result<([f64; 2], f64)> {
         let colliding = &self.graph()?.colliding;
         let volumes = [0, 1].map(|k| {
             let mut left = sets[k].clone();
@@ -65,7 +32,7 @@ impl<const D: usize> Coupled<D> {
     }
 
     /// Weights of all cells: those given, or areas and volumes.
-    fn weights(&self, given: [Option<&[f64]>; 2], most: u64) -> Result<CellWeights> {
+    pub(super) fn weights(&self, given: [Option<&[f64]>; 2], most: u64) -> Result<CellWeights<2>> {
         let of = |k: usize| {
             let grid = self.parts[k].grid();
             given[k].map_or(Weights::Even { weight: grid.measure(), n_cells: grid.n_cells() }, Weights::Each)
@@ -75,7 +42,7 @@ impl<const D: usize> Coupled<D> {
 }
 
 /// Writes both sets.
-fn put_pair(pair: &Pair, outs: [&mut [u8]; 2]) {
+pub(super) fn put_pair(pair: &Pair, outs: [&mut [u8]; 2]) {
     pair.cells.iter().zip(outs).for_each(|(set, to)| put(set, to));
 }
 
@@ -83,28 +50,9 @@ fn put_pair(pair: &Pair, outs: [&mut [u8]; 2]) {
 ///
 /// # Safety
 /// Both are NULL or arrays of these lengths that no one else uses during `'a`.
-unsafe fn outputs<'a>(one: *mut u8, n_1: usize, two: *mut u8, n_2: usize) -> Result<[&'a mut [u8]; 2]> {
+pub(super) unsafe fn outputs<'a>(one: *mut u8, n_1: usize, two: *mut u8, n_2: usize) -> Result<[&'a mut [u8]; 2]> {
     // SAFETY: the caller's promise.
     unsafe { Ok([array_mut(one, n_1, "cells_1")?, array_mut(two, n_2, "cells_2")?]) }
-}
-
-/// Weights of a part, none for NULL.
-///
-/// # Safety
-/// NULL or an array of this length that lives during `'a`.
-unsafe fn weights_of<'a>(pointer: *const f64, n: usize, name: &str) -> Result<Option<&'a [f64]>> {
-    // SAFETY: the caller's promise.
-    if pointer.is_null() { Ok(None) } else { unsafe { array(pointer, n, name) }.map(Some) }
-}
-
-/// # Safety
-/// `to` is NULL or a place to write.
-unsafe fn tell<T>(to: *mut T, value: T) -> Result<()> {
-    if !to.is_null() {
-        // SAFETY: the caller's promise.
-        *unsafe { place(to, "an output") }? = value;
-    }
-    Ok(())
 }
 
 /// Tells of the sets `set_1` [n_1] and `set_2` [n_2], whatever they are, the areas or volumes `volumes` [2] of what is left of the colliding
@@ -207,9 +155,9 @@ pub unsafe extern "C" fn ko_pair_close(
 /// which is the proof. Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are;
 /// others are rounded up to multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as
 /// `ko_pair_volumes` tells. Of several best pairs it is always the same.
-/// `options` NULL: the defaults; `gap` does not count.
+/// `options` NULL: the defaults; `gap` does not count. With symmetries it is the best of the pairs that all maps carry onto themselves.
 /// Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming
-/// the first; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some
+/// the first, a map that carries a cell onto none or a conflict onto none, naming them, and a frozen cell onto one that its part may not have; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some
 /// seconds for 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_pair_cut(
@@ -231,7 +179,7 @@ pub unsafe extern "C" fn ko_pair_cut(
             (
                 object(pair, "pair")?,
                 ko_family_options::read(options)?,
-                [weights_of(weights_1, n_1, "weights_1")?, weights_of(weights_2, n_2, "weights_2")?],
+                [array_or_none(weights_1, n_1, "weights_1")?, array_or_none(weights_2, n_2, "weights_2")?],
                 outputs(cells_1, n_1, cells_2, n_2)?,
             )
         };
@@ -244,10 +192,14 @@ pub unsafe extern "C" fn ko_pair_cut(
             pair.check(n_1, n_2)?;
             let Graph { conflicts, room, .. } = pair.graph()?;
             let weights = pair.weights(given, MOST_OF_CUT)?;
-            let found = cut(conflicts, room, weights.units(), &mut Progress::new(&mut told))?;
+            let progress = &mut Progress::new(&mut told);
+            // SAFETY: the header asks for initialised options, with as many symmetries as they say.
+            let found = match unsafe { options.folded(pair.grids(), conflicts) }? {
+                Some(folded) => folded.cut(room, pair.frozen(), weights.units(), progress)?,
+                None => cut(conflicts, room, weights.units(), progress)?,
+            };
             let reached = pair.volumes(found.pair.cells.each_ref())?.1;
-            let most = (weights.units_of(room) - found.flow) as f64 * weights.unit();
-            let own = weights.units_of(&found.pair.cells) as f64 * weights.unit();
+            let [own, most] = [found.weight, found.bound].map(|w| w as f64 * weights.unit());
             put_pair(&found.pair, outs);
             // SAFETY: the header asks for NULL or places to write.
             unsafe {
@@ -292,7 +244,7 @@ pub unsafe extern "C" fn ko_pair_family(
             (
                 object(pair, "pair")?,
                 ko_family_options::read(options)?,
-                [weights_of(weights_1, n_1, "weights_1")?, weights_of(weights_2, n_2, "weights_2")?],
+                [array_or_none(weights_1, n_1, "weights_1")?, array_or_none(weights_2, n_2, "weights_2")?],
                 array(gammas, n_gammas, "gammas")?,
                 outputs(cells_1, all_1, cells_2, all_2)?,
             )
@@ -311,7 +263,12 @@ pub unsafe extern "C" fn ko_pair_family(
             pair.check(n_1, n_2)?;
             let Graph { conflicts, room, .. } = pair.graph()?;
             let (weights, own) = (pair.weights(given, MOST_OF_FAMILY)?, options.to_family_options());
-            let found = family(conflicts, room, weights.units(), gammas, &own, &mut Progress::new(&mut told))?;
+            let progress = &mut Progress::new(&mut told);
+            // SAFETY: the header asks for initialised options, with as many symmetries as they say.
+            let found = match unsafe { options.folded(pair.grids(), conflicts) }? {
+                Some(folded) => folded.family(room, pair.frozen(), weights.units(), gammas, &own, progress)?,
+                None => family(conflicts, room, weights.units(), gammas, &own, progress)?,
+            };
             for (k, member) in found.into_iter().enumerate() {
                 put_pair(&member.pair, [&mut out_1[k * n_1..(k + 1) * n_1], &mut out_2[k * n_2..(k + 1) * n_2]]);
                 if let Some(to) = &mut reached {
@@ -325,152 +282,6 @@ pub unsafe extern "C" fn ko_pair_family(
                 }
             }
             Ok(())
-        })
-    })
-}
-
-/// Optimises densities by the method of moving asymptotes, (37) to (43) of Morris and Behandish 2022, and closes what it gives: `cells_1` [n_1]
-/// and `cells_2` [n_2], a pair that never collides and cannot grow.
-///
-/// It maximises V_1 + V_2 over the densities of the colliding cells with g_21 = 0, g_12 = 0 and gamma V_1 = (1 - gamma) V_2, each within
-/// `feasibility`; then densities above 1/2 are closed in the pair's conflict graph. `densities_1` [n_1] and `densities_2` [n_2] get what it ends
-/// with, and `history` [5 * (max_iterations + 1)] a row for the beginning and each iteration: V_1, V_2, g_21, g_12, and the part of the
-/// colliding volume that changed; rows behind the last are left as they are. Each of these three may be NULL. `options` NULL: the defaults;
-/// `report_size` is sizeof *report. A minimum cut, `ko_pair_cut` or `ko_pair_family`, gives better pairs sooner; this is for comparison, and for
-/// objectives of one's own. Returns KO_BUDGET_REACHED, a success, where iterations ended before the tolerance was reached. Errors:
-/// KO_ERR_INVALID_ARGUMENT for a pair without measures or without conflict graph, another number of cells, an option out of its range;
-/// KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the caller's. Cost: sensitivities an iteration;
-/// some 30 numbers a colliding cell.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ko_pair_optimise(
-    pair: *const ko_pair,
-    options: *const ko_optimise_options,
-    n_1: usize,
-    n_2: usize,
-    densities_1: *mut f64,
-    densities_2: *mut f64,
-    cells_1: *mut u8,
-    cells_2: *mut u8,
-    history: *mut f64,
-    report_size: usize,
-    report: *mut ko_optimise_report,
-) -> i32 {
-    guard_with_remark(|| {
-        // SAFETY: the header asks for a pair, NULL or initialised options, and NULL or arrays of these lengths.
-        let (ko_pair(pair), options, rho, outs) = unsafe {
-            (
-                object(pair, "pair")?,
-                ko_optimise_options::read(options)?,
-                [wanted(densities_1, n_1, "densities_1")?, wanted(densities_2, n_2, "densities_2")?],
-                outputs(cells_1, n_1, cells_2, n_2)?,
-            )
-        };
-        // SAFETY: the header asks for NULL or an array of this length.
-        let rows = unsafe { wanted(history.cast::<[f64; 5]>(), options.max_iterations as usize + 1, "history") }?;
-        // Before the work, not after it.
-        check_sized(report, report_size, "report")?;
-        // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
-        let mut told = unsafe { listener(options.progress, options.progress_data) };
-        let (own, workers) = (options.to_optimise_options()?, Workers::new(options.n_threads)?);
-        in_its_dimension!(pair, pair => {
-            pair.check(n_1, n_2)?;
-            let Graph { conflicts, room, .. } = pair.graph()?;
-            let frozen = pair.parts.each_ref().map(|part| part.frozen());
-            let design = Design { correlation: pair.correlation()?, conflicts, room, frozen };
-            let found = optimise(&design, &own, &workers, &mut Progress::new(&mut told))?;
-            let told = told_of(&found, pair.volumes(found.pair.cells.each_ref())?);
-            // SAFETY: the header asks for a struct of this size.
-            unsafe { write_sized(report, report_size, told, "report") }?;
-            put_pair(&found.pair, outs);
-            for (to, from) in rho.into_iter().zip(&found.densities) {
-                if let Some(to) = to {
-                    to.copy_from_slice(from);
-                }
-            }
-            for (to, it) in rows.into_iter().flatten().zip(&found.history) {
-                *to = [it.volumes[0], it.volumes[1], it.measures.g21, it.measures.g12, it.change];
-            }
-            Ok(if found.converged { KO_OK } else { KO_BUDGET_REACHED })
-        })
-    })
-}
-
-fn told_of(found: &Optimised, (volumes, gamma): ([f64; 2], f64)) -> ko_optimise_report {
-    let last = found.history.last().expect("there is a beginning");
-    ko_optimise_report {
-        struct_size: size_of::<ko_optimise_report>(),
-        gamma,
-        volumes,
-        measures: [last.measures.g21, last.measures.g12],
-        change: last.change,
-        n_iterations: (found.history.len() - 1) as u32,
-        converged: i32::from(found.converged),
-    }
-}
-
-/// Tells the gaps between the sets `set_1` [n_1] and `set_2` [n_2] of a pair that does not collide, at `n_times` even times (k + 1/2) / n_times:
-/// figure 11 of Morris and Behandish 2022.
-///
-/// `gaps` [n_times] are the distances between the nearest cells, 0 where they touch, `cells` [2 * n_times] these cells of part 1 and of part 2,
-/// and `places` [dim * n_times] points between them, in part 1's frame. `*largest` and `*mean` are those of the gaps. Each output may be NULL.
-/// `progress` is told of progress with `progress_data`, or NULL.
-/// Errors: KO_ERR_INVALID_ARGUMENT for another number of cells, an entry that is not 0 or 1, for no times or more than 10 million;
-/// KO_ERR_DEGENERATE where a part has no cells; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; `progress` is called on the
-/// caller's; `n_threads` is as elsewhere. Cost: a look at each boundary cell of part 2 a time, and a closer one at few of them; a number a cell
-/// of part 1.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn ko_pair_contact(
-    pair: *const ko_pair,
-    set_1: *const u8,
-    n_1: usize,
-    set_2: *const u8,
-    n_2: usize,
-    n_times: usize,
-    n_threads: u32,
-    progress: ko_progress,
-    progress_data: *mut c_void,
-    gaps: *mut f64,
-    cells: *mut usize,
-    places: *mut f64,
-    largest: *mut f64,
-    mean: *mut f64,
-) -> i32 {
-    guard(|| {
-        // SAFETY: the header asks for a pair, sets and NULL or arrays of these lengths.
-        let (ko_pair(pair), one, two, gaps, cells) = unsafe {
-            (
-                object(pair, "pair")?,
-                read_set(set_1, n_1, "set_1")?,
-                read_set(set_2, n_2, "set_2")?,
-                wanted(gaps, n_times, "gaps")?,
-                wanted(cells.cast::<[usize; 2]>(), n_times, "cells")?,
-            )
-        };
-        check_wanted_place(largest, "largest")?;
-        check_wanted_place(mean, "mean")?;
-        // SAFETY: the header asks for a function of this type that may be called with `progress_data`.
-        let mut told = unsafe { listener(progress, progress_data) };
-        in_its_dimension!(pair, pair => {
-            // SAFETY: the header asks for NULL or an array of this length.
-            let places = unsafe { wanted(places.cast(), n_times, "places") }?;
-            pair.check(n_1, n_2)?;
-            let grids = pair.parts.each_ref().map(|part| part.grid());
-            let (sets, workers) = (Pair { cells: [one, two] }, Workers::new(n_threads)?);
-            let found = contact(grids, &sets, &pair.relative, n_times, &workers, &mut Progress::new(&mut told))?;
-            for (to, gap) in gaps.into_iter().flatten().zip(&found.gaps) {
-                *to = gap.distance;
-            }
-            for (to, gap) in cells.into_iter().flatten().zip(&found.gaps) {
-                *to = gap.cells;
-            }
-            for (to, gap) in places.into_iter().flatten().zip(&found.gaps) {
-                *to = gap.place;
-            }
-            // SAFETY: the header asks for NULL or places to write.
-            unsafe {
-                tell(largest, found.largest)?;
-                tell(mean, found.mean)
-            }
         })
     })
 }

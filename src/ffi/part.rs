@@ -4,11 +4,10 @@ use super::cells::put;
 use super::field::ko_field;
 use super::guard::{guard, guard_free};
 use super::mesh::{check_count, ko_mesh};
-use super::motion::{differ, no_dim};
-use super::pointer::{array, array_mut, check_wanted_place, create, free, object, place, wanted};
+use super::pointer::{array, array_mut, check_wanted_place, create, free, object, tell, wanted};
 use crate::cogen::fraction::{FractionOptions, Solid, fractions as fill, fractions_of_mesh, fractions_of_solid};
 use crate::cogen::{Cell, Grid, Part};
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::dimension::{OfDimension, differ, in_its_dimension, no_dim};
 use crate::error::try_with_capacity;
 use crate::field::{Feasible, Field, Outputs};
 use crate::geometry::Bounds;
@@ -113,14 +112,9 @@ pub unsafe extern "C" fn ko_part_get_size(part: *const ko_part, dim: *mut u32, n
         check_wanted_place(n_cells, "n_cells")?;
         // SAFETY: the header asks for NULL or places to write.
         unsafe {
-            if !dim.is_null() {
-                *place(dim, "dim")? = part.dim();
-            }
-            if !n_cells.is_null() {
-                *place(n_cells, "n_cells")? = in_its_dimension!(part, part => part.grid().n_cells());
-            }
+            tell(dim, part.dim())?;
+            tell(n_cells, in_its_dimension!(part, part => part.grid().n_cells()))
         }
-        Ok(())
     })
 }
 
@@ -148,11 +142,8 @@ pub unsafe extern "C" fn ko_part_get_grid(
             if let Some(to) = sizes {
                 to[0] = grid.counts();
             }
-            if !cell_edge.is_null() {
-                // SAFETY: the header asks for NULL or a place to write.
-                *unsafe { place(cell_edge, "cell_edge") }? = grid.cell();
-            }
-            Ok(())
+            // SAFETY: the header asks for NULL or a place to write.
+            unsafe { tell(cell_edge, grid.cell()) }
         })
     })
 }

@@ -27,6 +27,15 @@ pub(super) unsafe fn object<'a, T>(pointer: *const T, name: &str) -> Result<&'a 
     Ok(unsafe { &*pointer })
 }
 
+/// [`object`], with `None` for NULL: an input that need not be given.
+///
+/// # Safety
+/// As for [`object`].
+pub(super) unsafe fn object_or_none<'a, T>(pointer: *const T, name: &str) -> Result<Option<&'a T>> {
+    // SAFETY: the caller's promise.
+    if pointer.is_null() { Ok(None) } else { unsafe { object(pointer, name) }.map(Some) }
+}
+
 /// The place behind `pointer`.
 ///
 /// # Safety
@@ -56,6 +65,15 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, len: usize, name: &str) -> 
     check_array(pointer, len, name)?;
     // SAFETY: not NULL, aligned, of a size that a slice may have; the rest is the caller's promise.
     Ok(unsafe { std::slice::from_raw_parts(pointer, len) })
+}
+
+/// [`array`], with `None` for NULL: an input that need not be given.
+///
+/// # Safety
+/// As for [`array`].
+pub(super) unsafe fn array_or_none<'a, T>(pointer: *const T, len: usize, name: &str) -> Result<Option<&'a [T]>> {
+    // SAFETY: the caller's promise.
+    if pointer.is_null() { Ok(None) } else { unsafe { array(pointer, len, name) }.map(Some) }
 }
 
 /// Numbers and arrays of them: whatever bytes C hands over are a value, so that it need not have written them.
@@ -105,6 +123,18 @@ pub(super) unsafe fn wanted<'a, T: Plain>(pointer: *mut T, len: usize, name: &st
 /// What [`place`] will refuse of an output that is NULL where it is not wanted: asked before work whose result goes there.
 pub(super) fn check_wanted_place<T>(to: *const T, name: &str) -> Result<()> {
     if to.is_null() { Ok(()) } else { check(to, name) }
+}
+
+/// Writes `value` to `to`, where it is wanted.
+///
+/// # Safety
+/// `to` is NULL or a place to write that no one else uses.
+pub(super) unsafe fn tell<T>(to: *mut T, value: T) -> Result<()> {
+    if !to.is_null() {
+        // SAFETY: the caller's promise.
+        *unsafe { place(to, "an output") }? = value;
+    }
+    Ok(())
 }
 
 /// The path in the C string at `pointer`.

@@ -5,12 +5,12 @@ use super::field::ko_field;
 use super::fit_options::ko_fit_options;
 use super::guard::{guard, guard_free};
 use super::mesh::check_count;
-use super::pointer::{array, create, free, object, place, wanted};
+use super::pointer::{array, array_or_none, create, free, object, place, wanted};
 use super::progress::listener;
-use crate::dimension::{OfDimension, in_its_dimension};
+use crate::Result;
+use crate::dimension::{OfDimension, differ, in_its_dimension};
 use crate::field::sensitivity::{Derivatives, Effort, Functional, Sensitivity};
 use crate::progress::Progress;
-use crate::{Error, Result};
 
 /// How values of a field change as its cloud does: a field and its cloud, ready for any number of `ko_sensitivity_solve`. Freed by
 /// `ko_sensitivity_free`.
@@ -51,11 +51,7 @@ pub unsafe extern "C" fn ko_sensitivity_create(
                 (OfDimension::Space(field), OfDimension::Space(cloud)) => {
                     OfDimension::Space(Sensitivity::new(field, cloud, &options, &mut progress)?)
                 }
-                _ => {
-                    let (field, cloud) = (field.dim(), cloud.dim());
-                    let text = format!("the field has dim {field}, the cloud dim {cloud}; they must be the same");
-                    return Err(Error::InvalidArgument(text));
-                }
+                _ => return Err(differ(&[("the field", field.dim()), ("the cloud", cloud.dim())])),
             }))
         };
         // SAFETY: the header asks for a handle to write.
@@ -99,7 +95,7 @@ pub unsafe extern "C" fn ko_sensitivity_solve(
         // SAFETY: the header asks for a handle that no one else uses.
         let ko_sensitivity(sensitivity) = unsafe { place(sensitivity, "sensitivity") }?;
         // SAFETY: the header asks for arrays of these lengths.
-        let weights = if weights.is_null() { None } else { Some(unsafe { array(weights, n_points, "weights") }?) };
+        let weights = unsafe { array_or_none(weights, n_points, "weights") }?;
         in_its_dimension!(sensitivity, sensitivity => {
             check_count("n_cloud_points", n_cloud_points, sensitivity.n_points())?;
             // SAFETY: as above, and NULL or arrays to write.

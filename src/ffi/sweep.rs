@@ -3,14 +3,14 @@
 use super::cells::{bits_of, put, read_set};
 use super::guard::guard;
 use super::mesh::check_count;
-use super::motion::{differ, ko_motion};
+use super::motion::{in_plane, in_space, ko_motion};
 use super::pair_options::ko_pair_options;
 use super::part::ko_part;
-use super::pointer::{array_mut, object};
+use super::pointer::{array_mut, object, object_or_none};
 use super::progress::listener;
 use crate::cogen::sweep::{Body, Rule, sweep, unsweep};
 use crate::cogen::{Bits, Motion, Part, Relative};
-use crate::dimension::OfDimension;
+use crate::dimension::{OfDimension, differ};
 use crate::geometry::vec::number;
 use crate::par::Workers;
 use crate::progress::Progress;
@@ -47,7 +47,7 @@ pub unsafe extern "C" fn ko_part_sweep(
             (
                 object(part, "part")?,
                 object(still, "still")?,
-                [motion_or_none(motion, "motion")?, motion_or_none(still_motion, "still_motion")?],
+                [object_or_none(motion, "motion")?, object_or_none(still_motion, "still_motion")?],
                 ko_pair_options::read(options)?,
                 read_set(cells, n_cells, "cells")?,
                 array_mut(swept, n_still, "swept")?,
@@ -124,7 +124,7 @@ pub unsafe extern "C" fn ko_part_unsweep(
             (
                 object(part, "part")?,
                 object(body, "body")?,
-                [motion_or_none(motion, "motion")?, motion_or_none(body_motion, "body_motion")?],
+                [object_or_none(motion, "motion")?, object_or_none(body_motion, "body_motion")?],
                 ko_pair_options::read(options)?,
                 read_set(body_cells, n_body, "body_cells")?,
                 array_mut(kept, n_cells, "kept")?,
@@ -187,31 +187,4 @@ fn cells_or_all<'a, const D: usize>(set: &'a Bits, part: &'a Part<D>, name: &str
     }
     check_count(name, set.len(), part.grid().n_cells())?;
     Ok(set)
-}
-
-/// A motion, or none for NULL.
-///
-/// # Safety
-/// `pointer` is NULL or a motion that lives during `'a`.
-pub(super) unsafe fn motion_or_none<'a>(pointer: *const ko_motion, name: &str) -> Result<Option<&'a ko_motion>> {
-    // SAFETY: the caller's promise.
-    if pointer.is_null() { Ok(None) } else { unsafe { object(pointer, name) }.map(Some) }
-}
-
-/// The motion of a part of the plane.
-pub(super) fn in_plane(motion: Option<&ko_motion>) -> Result<Motion<2>> {
-    match motion {
-        None => Ok(Motion::fixed()),
-        Some(ko_motion(OfDimension::Plane(motion))) => Ok(motion.clone()),
-        Some(_) => Err(differ(&[("a part", 2), ("its motion", 3)])),
-    }
-}
-
-/// The motion of a part of space.
-pub(super) fn in_space(motion: Option<&ko_motion>) -> Result<Motion<3>> {
-    match motion {
-        None => Ok(Motion::fixed()),
-        Some(ko_motion(OfDimension::Space(motion))) => Ok(motion.clone()),
-        Some(_) => Err(differ(&[("a part", 3), ("its motion", 2)])),
-    }
 }

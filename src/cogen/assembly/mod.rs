@@ -17,6 +17,7 @@ use super::bits::Bits;
 use super::conflict::{Conflicts, OverlapOptions, Side};
 use super::cut::{cut, weight_of_all};
 use super::foresight::Limit;
+use super::frozen;
 use super::grid::MOST_CELLS;
 use super::motion::Motion;
 use super::parcels::{Room, each_block, n_blocks};
@@ -71,7 +72,7 @@ pub struct Arrangement {
 impl Assembly {
     /// Conflicts of all pairs of `parts`, which move by `motions`: see [`Conflicts::of_overlap`]. Pairs whose swept boxes never meet have none.
     ///
-    /// `max_bytes` holds for the graphs of pairs and of all together.
+    /// `max_bytes` holds for the graphs of pairs and of all together. The error tells of frozen cells that collide, and when and where.
     pub fn of_overlap<const D: usize>(
         parts: &[&Part<D>],
         motions: &[Motion<D>],
@@ -86,14 +87,21 @@ impl Assembly {
         // What is put together takes as much as the pairs' graphs.
         let mut left = options.max_bytes / 2;
         let mut graphs = Vec::new();
-        for [i, j] in swept_boxes(parts, motions, options.clearance)?.meetings() {
+        let boxes = swept_boxes(parts, motions, options.clearance)?;
+        let meetings: Vec<[usize; 2]> = boxes.meetings().collect();
+        // The last tenth of what is told is the putting together.
+        let share = |k: usize| 0.9 * k as f64 / meetings.len() as f64;
+        for (k, &[i, j]) in meetings.iter().enumerate() {
             let relative = Relative { from: motions[i].clone(), of: motions[j].clone() };
             let of_pair = OverlapOptions { max_bytes: left, ..*options };
-            let graph = Conflicts::of_overlap([parts[i], parts[j]], &relative, &of_pair, progress)?;
+            let look = |part: &mut Progress<'_>| Conflicts::of_overlap([parts[i], parts[j]], &relative, &of_pair, part);
+            let graph = progress.part(share(k), share(k + 1), look)?;
+            frozen::check(&graph, [parts[i], parts[j]], &relative, [i, j])?;
             left = left.saturating_sub(graph.bytes() as u64);
             graphs.push(([i, j], graph));
         }
-        Assembly::of_graphs(&n_cells, &graphs, options.max_bytes, &Workers::new(options.n_threads)?, progress)
+        let workers = Workers::new(options.n_threads)?;
+        progress.part(0.9, 1.0, |part| Assembly::of_graphs(&n_cells, &graphs, options.max_bytes, &workers, part))
     }
 
     /// The assembly of parts of as many cells, with the graphs of pairs i < j of them, part i being the graph's first; without one, parts never
@@ -249,7 +257,7 @@ impl Assembly {
         // The double cover: what it weighs is below 2^64.
         let both = [room.clone(), room];
         weight_of_all(&both, [&weights, &weights])?;
-        let whole = cut(&self.graph, &both, [&weights, &weights], progress)?;
+        let whole = progress.part(0.0, 0.5, |part| cut(&self.graph, &both, [&weights, &weights], part))?;
         let [room, _] = both;
         let bound = whole.weight / 2;
         let [certain, mut open] = whole.pair.cells;
@@ -259,8 +267,11 @@ impl Assembly {
         let search = Search { assembly: self, room, certain, open, weights, teams: self.teams()? };
         let mut best: Option<(Bits, u64)> = None;
         let mut n_cuts = 1;
-        for start in 0..search.teams.len().clamp(1, options.max_starts) {
-            let kept = search.alternate(start, options.max_rounds, &mut n_cuts, progress)?;
+        let n_starts = search.teams.len().clamp(1, options.max_starts);
+        let share = |start: usize| 0.5 + 0.5 * start as f64 / n_starts as f64;
+        for start in 0..n_starts {
+            let alternate = |part: &mut Progress<'_>| search.alternate(start, options.max_rounds, &mut n_cuts, part);
+            let kept = progress.part(share(start), share(start + 1), alternate)?;
             let weight = kept.iter().map(|u| search.weights[u]).sum();
             if best.as_ref().is_none_or(|(_, most)| weight > *most) {
                 best = Some((kept, weight));
