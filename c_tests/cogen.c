@@ -101,7 +101,7 @@ static void samples_are_screws_between_poses(void) {
     }
     OK(ko_motion_eval(screw, times, N, rotations, translations));
     OK(ko_motion_sampled(3, rotations, translations, N, &sampled));
-    OK(ko_motion_from_function(3, on_screw, screw, N, &called));
+    OK(ko_motion_from_function(3, on_screw, screw, N, NULL, 0.0, &called));
     for (int k = 0; k <= 100; k++) {
         double q[3], r[3], s[3];
         moved(screw, k / 100.0, p, q);

@@ -102,15 +102,41 @@ static void poses_that_are_none(void) {
                                   "from pose 2 to pose 3", "pose 3, at time 0.3: the pose is not rigid"};
     for (int kind = 0; kind < 4; kind++) {
         struct poses poses = {3, kind, 0};
-        FAILS(ko_motion_from_function(2, pose, &poses, 11, &motion), KO_ERR_INVALID_ARGUMENT, words[kind]);
+        FAILS(ko_motion_from_function(2, pose, &poses, 11, NULL, 0.0, &motion), KO_ERR_INVALID_ARGUMENT, words[kind]);
         CHECK(motion == NULL && poses.asked == (kind == 2 ? 11 : 4));
     }
     struct poses poses = {-1, 0, 0};
-    FAILS(ko_motion_from_function(2, NULL, &poses, 11, &motion), KO_ERR_INVALID_ARGUMENT, "pose is NULL");
-    FAILS(ko_motion_from_function(2, pose, &poses, 0, &motion), KO_ERR_INVALID_ARGUMENT, "0 poses");
-    FAILS(ko_motion_from_function(0, pose, &poses, 11, &motion), KO_ERR_INVALID_ARGUMENT, "dim is 0");
-    FAILS(ko_motion_from_function(2, pose, &poses, 11, NULL), KO_ERR_INVALID_ARGUMENT, "motion");
-    FAILS(ko_motion_from_function(2, pose, &poses, SIZE_MAX / 2, &motion), KO_ERR_OUT_OF_MEMORY, "poses");
+    FAILS(ko_motion_from_function(2, NULL, &poses, 11, NULL, 0.0, &motion), KO_ERR_INVALID_ARGUMENT, "pose is NULL");
+    FAILS(ko_motion_from_function(2, pose, &poses, 0, NULL, 0.0, &motion), KO_ERR_INVALID_ARGUMENT, "0 poses");
+    FAILS(ko_motion_from_function(0, pose, &poses, 11, NULL, 0.0, &motion), KO_ERR_INVALID_ARGUMENT, "dim is 0");
+    FAILS(ko_motion_from_function(2, pose, &poses, 11, NULL, 0.0, NULL), KO_ERR_INVALID_ARGUMENT, "motion");
+    FAILS(ko_motion_from_function(2, pose, &poses, SIZE_MAX / 2, NULL, 0.0, &motion), KO_ERR_OUT_OF_MEMORY, "poses");
+
+    /* Half a turn in ten steps moves a corner by 0.3 of the diagonal, or not so much. */
+    const size_t one[3] = {1, 1, 1};
+    const double corner[3] = {0.0, 0.0, 0.0};
+    ko_part *part = NULL, *cube = NULL;
+    OK(ko_part_create(2, corner, 1.0, one, NULL, 0, &part));
+    OK(ko_part_create(3, corner, 1.0, one, NULL, 0, &cube));
+    struct poses turning = {-1, 0, 0};
+    OK(ko_motion_from_function(2, pose, &turning, 11, part, 100.0, &motion));
+    ko_motion_free(motion);
+    FAILS(ko_motion_from_function(2, pose, &turning, 11, part, 1e-3, &motion), KO_ERR_INVALID_ARGUMENT, "the motion jumps: from time 0 to time 0.1");
+    FAILS(ko_motion_from_function(2, pose, &turning, 11, part, -1.0, &motion), KO_ERR_INVALID_ARGUMENT, "a limit of speed of -1");
+    FAILS(ko_motion_from_function(2, pose, &turning, 11, NULL, 1.0, &motion), KO_ERR_INVALID_ARGUMENT, "max_speed is 1 and part is NULL");
+    FAILS(ko_motion_from_function(2, pose, &turning, 11, cube, 1.0, &motion), KO_ERR_INVALID_ARGUMENT, "the motion dim 2, part dim 3");
+    ko_part_free(part);
+    ko_part_free(cube);
+
+    /* Products of products: each one of twice as many. */
+    ko_motion *whole = turn(0.0, 0.0, 1e-3), *twice = NULL;
+    for (int k = 0; k < 9; k++) {
+        OK(ko_motion_product(whole, whole, &twice));
+        ko_motion_free(whole);
+        whole = twice;
+    }
+    FAILS(ko_motion_product(whole, whole, &motion), KO_ERR_INVALID_ARGUMENT, "a product of 1024 motions; at most 1000");
+    ko_motion_free(whole);
 }
 
 static void mechanisms_that_are_none(void) {

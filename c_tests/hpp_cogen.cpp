@@ -80,6 +80,9 @@ static void motions_move() {
     }
     CHECK(caught);
     THROWS(Motion::from_function(2, [](double, double *, double *) {}, 3), KO_ERR_INVALID_ARGUMENT, "pose 0, at time 0: an entry");
+    const Part part = Part::create(std::array<double, 2>{0, 0}, 1.0, std::array<std::size_t, 2>{1, 1});
+    const auto quarter = [&](double t, double *r, double *s) { turn.eval({&t, 1}, {r, 4}, {s, 2}); };
+    THROWS(Motion::from_function(2, quarter, 3, &part, 0.1), KO_ERR_INVALID_ARGUMENT, "the motion jumps");
     THROWS(Motion::turn(std::array<double, 3>{}, Law{}), KO_ERR_INVALID_ARGUMENT, "center has room for 3");
     THROWS(still.product(turn), KO_ERR_INVALID_ARGUMENT, "outer dim 3");
     THROWS(Motion(nullptr).inverse(), KO_ERR_INVALID_ARGUMENT, "of is NULL");

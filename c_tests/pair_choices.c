@@ -158,10 +158,13 @@ static void pairs_of_one_weight_come_to_touch_better(void) {
     CHECK_NEAR(after, persistence(&w, next_1, next_2, 60, 1.0 / SIDE), 1e-12);
     CHECK(count(one, CELLS) + count(two, CELLS) == count(next_1, CELLS) + count(next_2, CELLS));
     check_pair(&w, next_1, next_2);
-    /* In place, and with another scale. */
+    /* From there on, with another scale, and by the defaults. */
+    uint8_t last_1[CELLS], last_2[CELLS];
     options.scale = 0.1;
-    OK(ko_pair_more_persistent(w.pair, next_1, next_2, NULL, NULL, &options, CELLS, CELLS, next_1, next_2, &before, NULL, NULL));
-    OK(ko_pair_more_persistent(w.pair, next_1, next_2, NULL, NULL, NULL, CELLS, CELLS, next_1, next_2, NULL, NULL, NULL));
+    OK(ko_pair_more_persistent(w.pair, next_1, next_2, NULL, NULL, &options, CELLS, CELLS, last_1, last_2, &before, NULL, NULL));
+    CHECK_NEAR(before, persistence(&w, next_1, next_2, 60, 0.1), 1e-12);
+    OK(ko_pair_more_persistent(w.pair, next_1, next_2, NULL, NULL, NULL, CELLS, CELLS, last_1, last_2, NULL, NULL, NULL));
+    check_pair(&w, last_1, last_2);
 
     memset(next_1, 7, CELLS);
     int told = 0;
@@ -186,7 +189,14 @@ static void pairs_of_one_weight_come_to_touch_better(void) {
     FAILS(ko_persistence_options_init(&options, 8), KO_ERR_INVALID_ARGUMENT, "struct_size");
     FAILS(ko_pair_more_persistent(w.pair, one, two, NULL, NULL, NULL, CELLS, CELLS - 1, next_1, next_2, NULL, NULL, NULL),
           KO_ERR_INVALID_ARGUMENT, "n_2");
-    /* A cell less is not of the greatest weight. */
+    /* By other weights it is not of the greatest. */
+    static double weights[CELLS];
+    for (int i = 0; i < CELLS; i++) {
+        weights[i] = one[i] ? 1.0 : 3.0;
+    }
+    FAILS(ko_pair_more_persistent(w.pair, one, two, weights, NULL, NULL, CELLS, CELLS, next_1, next_2, NULL, NULL, NULL), KO_ERR_INVALID_ARGUMENT,
+          "the greatest weight is");
+    /* A cell less could grow; all cells collide. */
     for (int i = 0; i < CELLS; i++) {
         if (one[i]) {
             one[i] = 0;
@@ -194,7 +204,7 @@ static void pairs_of_one_weight_come_to_touch_better(void) {
         }
     }
     FAILS(ko_pair_more_persistent(w.pair, one, two, NULL, NULL, NULL, CELLS, CELLS, next_1, next_2, NULL, NULL, NULL), KO_ERR_INVALID_ARGUMENT,
-          "the greatest weight is");
+          "the pair collides, could grow");
     CHECK(next_1[0] == 7 && next_1[CELLS - 1] == 7);
     free_wheels(&w);
 }

@@ -1242,12 +1242,14 @@ module keepout_c
       integer(c_int32_t) :: status
     end function
 
-    function ko_motion_from_function(dim, pose, data, n_poses, motion) bind(c) result(status)
+    function ko_motion_from_function(dim, pose, data, n_poses, part, max_speed, motion) bind(c) result(status)
       import
       integer(c_int32_t), value :: dim
       type(c_funptr), value :: pose
       type(c_ptr), value :: data
       integer(c_size_t), value :: n_poses
+      type(c_ptr), value :: part
+      real(c_double), value :: max_speed
       type(c_ptr), intent(out) :: motion
       integer(c_int32_t) :: status
     end function
@@ -3544,17 +3546,25 @@ contains
     call settle(status, stat, errmsg)
   end subroutine
 
-  ! Through `n_poses` poses at even times that `pose`, the address of a ko_pose_function, is asked for with `data`.
-  subroutine motion_from_function(self, dim, pose, data, n_poses, stat, errmsg)
+  ! Through `n_poses` poses at even times that `pose`, the address of a ko_pose_function, is asked for with `data`. With a part a jump is an
+  ! error: where a point of its grid would be faster than max_speed.
+  subroutine motion_from_function(self, dim, pose, data, n_poses, stat, errmsg, part, max_speed)
     class(keepout_motion), intent(inout) :: self
     integer, intent(in) :: dim, n_poses
     type(c_funptr), intent(in) :: pose
     type(c_ptr), intent(in) :: data
     integer(c_int32_t), intent(out), optional :: stat
     character(len=*), intent(inout), optional :: errmsg
-    type(c_ptr) :: handle
+    type(keepout_part), intent(in), optional :: part
+    real(c_double), intent(in), optional :: max_speed
+    type(c_ptr) :: handle, of
     integer(c_int32_t) :: status
-    status = ko_motion_from_function(int(dim, c_int32_t), pose, data, int(max(n_poses, 0), c_size_t), handle)
+    real(c_double) :: most
+    of = c_null_ptr
+    if (present(part)) of = part%handle
+    most = 0
+    if (present(max_speed)) most = max_speed
+    status = ko_motion_from_function(int(dim, c_int32_t), pose, data, int(max(n_poses, 0), c_size_t), of, most, handle)
     if (status >= KO_OK) call motion_adopt(self, handle)
     call settle(status, stat, errmsg)
   end subroutine

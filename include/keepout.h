@@ -1290,7 +1290,8 @@ typedef struct ko_optimise_report {
      */
     size_t struct_size;
     /**
-     * gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells.
+     * gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells. Colliding by the conflict graph, while
+     * the optimisation's own gamma, and its history, are of the cells that collide by the measure.
      */
     double gamma;
     /**
@@ -1310,7 +1311,7 @@ typedef struct ko_optimise_report {
      */
     uint32_t n_iterations;
     /**
-     * 1: the last change is below the tolerance. 0: KO_BUDGET_REACHED.
+     * 1: the last change is below the tolerance, and the constraints hold within `feasibility`. 0: KO_BUDGET_REACHED.
      */
     int32_t converged;
 } ko_optimise_report;
@@ -2573,14 +2574,19 @@ int32_t ko_motion_sampled(uint32_t dim,
  * Makes the motion through `n_poses` poses that `pose` is asked for, in order, at even times from 0 to 1; between two of them it is the screw
  * from one to the other, as in `ko_motion_sampled`.
  *
- * `dim` is 2 or 3. `data` is handed to `pose`, which is called during this call only. `*motion` is the caller's to free.
- * Errors: those of `ko_motion_sampled`, and KO_ERR_INVALID_ARGUMENT where `pose` does not return 0, with the pose's number and time. Threads: any.
- * Cost: the calls, and less than a microsecond a pose.
+ * `dim` is 2 or 3. `data` is handed to `pose`, which is called during this call only. `part` and `max_speed` tell a jump: from a pose to the next no
+ * point of the part's grid may go more than max_speed times the time between, in lengths by unit of t; NULL and 0: any way is taken for a fast
+ * move. `*motion` is the caller's to free; it does not refer to `part`.
+ * Errors: those of `ko_motion_sampled`, and KO_ERR_INVALID_ARGUMENT where `pose` does not return 0, with the pose's number and time, where the
+ * motion jumps, with the times, the way and what is allowed, for a max_speed below 0, and for one without a part. Threads: any. Cost: the calls,
+ * and less than a microsecond a pose.
  */
 int32_t ko_motion_from_function(uint32_t dim,
                                 ko_pose_function pose,
                                 void *data,
                                 size_t n_poses,
+                                const struct ko_part *part,
+                                double max_speed,
                                 struct ko_motion **motion);
 
 /**
@@ -2624,7 +2630,7 @@ int32_t ko_motion_four_bar(const double *pivots,
  * Makes the product of two motions, tau(t) = `outer`(t) `inner`(t): what `inner` does is seen from what `outer` moves.
  *
  * A follower on a rocker, say, or a part's first pose before its motion. `*motion` is the caller's to free; it does not refer to the handles.
- * Errors: KO_ERR_INVALID_ARGUMENT for motions of different dimensions. Threads: any. Cost: none.
+ * Errors: KO_ERR_INVALID_ARGUMENT for motions of different dimensions, and for a product of more than 1000 motions in all. Threads: any. Cost: none.
  */
 int32_t ko_motion_product(const struct ko_motion *outer,
                           const struct ko_motion *inner,

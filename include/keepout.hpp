@@ -1286,6 +1286,8 @@ struct Pose {
     std::vector<double> translation; ///< t, [dim]
 };
 
+class Part;
+
 /// A rigid motion of one parameter t in [0, 1], from a part's frame to the world. What is made of one goes on without it.
 class Motion {
 public:
@@ -1345,31 +1347,10 @@ public:
         return Motion(handle);
     }
 
-    /// Through `n_poses` poses that `pose` is asked for at even times. What it throws comes out of the call.
-    static Motion from_function(std::uint32_t dim, const Function &pose, std::size_t n_poses) {
-        struct Asked {
-            const Function &pose;
-            std::exception_ptr thrown;
-
-            static std::int32_t ask(double time, double *rotation, double *translation, void *data) noexcept {
-                auto &self = *static_cast<Asked *>(data);
-                try {
-                    self.pose(time, rotation, translation);
-                    return 0;
-                } catch (...) {
-                    self.thrown = std::current_exception();
-                    return 1;
-                }
-            }
-        } asked{pose, nullptr};
-        ko_motion *handle = nullptr;
-        const std::int32_t status = ko_motion_from_function(dim, Asked::ask, &asked, n_poses, &handle);
-        if (asked.thrown) {
-            std::rethrow_exception(asked.thrown);
-        }
-        detail::check(status);
-        return Motion(handle);
-    }
+    /// Through `n_poses` poses that `pose` is asked for at even times. What it throws comes out of the call. With a part a jump is an error: where a
+    /// point of its grid would be faster than max_speed.
+    static Motion from_function(std::uint32_t dim, const Function &pose, std::size_t n_poses, const Part *part = nullptr,
+                                double max_speed = 0.0);
 
     /// Two wheels about centers [4] that turn against each other: the first by `turns` counter-clockwise, the second by `ratio` times that.
     static std::array<Motion, 2> gears(Span<const double> centers, double turns, double ratio) {
@@ -1569,6 +1550,33 @@ private:
     detail::Handle<ko_part, ko_part_free> handle_;
     std::uint32_t dim_;
 };
+
+inline Motion Motion::from_function(std::uint32_t dim, const Function &pose, std::size_t n_poses, const Part *part,
+                                    double max_speed) {
+    struct Asked {
+        const Function &pose;
+        std::exception_ptr thrown;
+
+        static std::int32_t ask(double time, double *rotation, double *translation, void *data) noexcept {
+            auto &self = *static_cast<Asked *>(data);
+            try {
+                self.pose(time, rotation, translation);
+                return 0;
+            } catch (...) {
+                self.thrown = std::current_exception();
+                return 1;
+            }
+        }
+    } asked{pose, nullptr};
+    ko_motion *handle = nullptr;
+    const std::int32_t status = ko_motion_from_function(dim, Asked::ask, &asked, n_poses, part == nullptr ? nullptr : part->get(),
+                                                        max_speed, &handle);
+    if (asked.thrown) {
+        std::rethrow_exception(asked.thrown);
+    }
+    detail::check(status);
+    return Motion(handle);
+}
 
 /// A set of cells, or densities, for each part of a pair.
 template <class T>

@@ -102,6 +102,8 @@ contains
     call near_point(moved(asked, 0.3_c_double, p(:2)), moved(turn, 0.3_c_double, p(:2)), 1e-14_c_double, "motion%from_function")
     call asked%from_function(2, asks, c_loc(something), 3, stat, errmsg)
     call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "pose 2, at time 1: the function returned 5")
+    call asked%from_function(2, asks, c_null_ptr, 3, stat, errmsg, max_speed=1.0_c_double)
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "max_speed is 1 and part is NULL")
     call keepout_gears(reshape([0.0_c_double, 0.0_c_double, 2.0_c_double, 0.0_c_double], [2, 2]), 1.0_c_double, 1.0_c_double, &
       first, second)
     call near_point(moved(first, 0.25_c_double, [1.0_c_double, 0.0_c_double]), [0.0_c_double, 1.0_c_double], 1e-15_c_double, &
@@ -439,7 +441,7 @@ contains
     call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "cells_1 has 576 entries; 9 are needed")
     cells_1(maxloc(cells_1)) = 0
     call pair%more_persistent(cells_1, cells_2, plain_1, plain_2, before, after, stat=stat, errmsg=errmsg)
-    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "the greatest weight is")
+    call fails(stat, errmsg, KO_ERR_INVALID_ARGUMENT, "the pair collides, could grow")
   end subroutine
 
   ! Three wheels in a row, each of which turns against the next.

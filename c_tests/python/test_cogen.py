@@ -41,6 +41,11 @@ class Motions(TestCase):
             np.testing.assert_allclose(moved(other, 0.3, [0.4, 0.6]), moved(turn, 0.3, [0.4, 0.6]), atol=1e-14)
         with self.assertRaises(ZeroDivisionError):
             Motion.from_function(2, lambda t: 1 / 0, 3)
+        with self.fails(Status.INVALID_ARGUMENT, "the motion jumps"):
+            part = Part.create([0, 0], 1, [1, 1])
+            Motion.from_function(2, lambda t: (np.eye(2), [t, 0]), 3, part, 0.5)
+        with self.fails(Status.INVALID_ARGUMENT, "members of Cell"):
+            Part.create([0, 0], 1, [1, 1], [1.7])
         with self.fails(Status.INVALID_ARGUMENT, "rotation has 1 rows; 2 are needed"):
             Motion.from_function(2, lambda t: ([[1, 0]], [0, 0]), 3)
         with self.fails(Status.INVALID_ARGUMENT, "pose 1, at time 0.5: the pose is not rigid"):
@@ -364,7 +369,7 @@ class Choices(TestCase):
         self.assertTrue(again.after >= again.before and again.n_tries <= 10)
         less = first.copy()
         less.flat[np.argmax(first)] = False
-        with self.fails(Status.INVALID_ARGUMENT, "the greatest weight is"):
+        with self.fails(Status.INVALID_ARGUMENT, "the pair collides, could grow"):
             self.pair.more_persistent(less, second)
         with self.fails(Status.INVALID_ARGUMENT, "from 0.7 to 0.3"):
             self.pair.more_persistent(first, second, options=PersistenceOptions(gammas=[0.7, 0.3]))

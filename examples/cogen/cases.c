@@ -87,7 +87,7 @@ static bool make_cam_3d(struct study *study)
     const ko_law turn = law_of(0, -2 * PI, NULL, 0);
     return make_part(study, 0, corners[0], cam) && make_part(study, 1, corners[1], follower) &&
            succeeded(ko_motion_screw(point, axis, 0, &turn, &study->motions[0]), "making the cam's motion") &&
-           succeeded(ko_motion_from_function(3, follower_pose, NULL, POSES, &study->motions[1]), "making the follower's motion");
+           succeeded(ko_motion_from_function(3, follower_pose, NULL, POSES, NULL, 0, &study->motions[1]), "making the follower's motion");
 }
 
 /* 5.4: a nut that stays, and a bolt that is screwed through it by four turns, (47), the other way round than the right hand. */

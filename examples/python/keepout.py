@@ -938,7 +938,7 @@ _motion_turn = _bind("ko_motion_turn", c_int32, _doubles, POINTER(ko_law), POINT
 _motion_screw = _bind("ko_motion_screw", c_int32, _doubles, _doubles, c_double, POINTER(ko_law), POINTER(_motion))
 _motion_sampled = _bind("ko_motion_sampled", c_int32, c_uint32, _doubles, _doubles, c_size_t, POINTER(_motion))
 _motion_from_function = _bind(
-    "ko_motion_from_function", c_int32, c_uint32, ko_pose_function, c_void_p, c_size_t, POINTER(_motion)
+    "ko_motion_from_function", c_int32, c_uint32, ko_pose_function, c_void_p, c_size_t, _part, c_double, POINTER(_motion)
 )
 _motion_gears = _bind("ko_motion_gears", c_int32, _doubles, c_double, c_double, POINTER(_motion), POINTER(_motion))
 _motion_four_bar = _bind(
@@ -2530,8 +2530,13 @@ class Motion(_Handle):
         return cls(handle)
 
     @classmethod
-    def from_function(cls, dim: int, pose: PoseFunction, n_poses: int) -> Motion:
-        """Through `n_poses` poses that `pose` is asked for at even times. What it raises comes out of the call."""
+    def from_function(
+        cls, dim: int, pose: PoseFunction, n_poses: int, part: Optional[Part] = None, max_speed: float = 0.0
+    ) -> Motion:
+        """Through `n_poses` poses that `pose` is asked for at even times. What it raises comes out of the call.
+
+        With a part a jump is an error: where a point of its grid would be faster than max_speed.
+        """
         raised: list[BaseException] = []
 
         def ask(time: float, rotation: Any, translation: Any, _data: Optional[int]) -> int:
@@ -2546,7 +2551,13 @@ class Motion(_Handle):
 
         handle = _motion()
         status = _motion_from_function(
-            _small("dim", dim), ko_pose_function(ask), None, _count("n_poses", n_poses), ctypes.byref(handle)
+            _small("dim", dim),
+            ko_pose_function(ask),
+            None,
+            _count("n_poses", n_poses),
+            part,
+            max_speed,
+            ctypes.byref(handle),
         )
         if raised:
             raise raised.pop()
@@ -2650,7 +2661,10 @@ class Part(_Handle):
         if len(counts) != len(corner):
             raise _wrong(f"counts has {len(counts)} entries; {len(corner)} are needed")
         sizes = (c_size_t * len(counts))(*(_count("counts", count) for count in counts))
-        own = None if cells is None else np.ascontiguousarray(np.asarray(cells).reshape(-1), dtype=np.uint8)
+        given = None if cells is None else np.asarray(cells)
+        if given is not None and (given.dtype.kind not in "ui" or (given.size and not 0 <= given.min() <= given.max() <= 255)):
+            raise _wrong(f"cells holds {given.dtype}; members of Cell are needed")
+        own = None if given is None else np.ascontiguousarray(given.reshape(-1), dtype=np.uint8)
         handle = _part()
         n = 0 if own is None else len(own)
         _check(_part_create(len(corner), _at(corner), cell_edge, sizes, _at(own, c_uint8), n, ctypes.byref(handle)))

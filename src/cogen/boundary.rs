@@ -318,6 +318,8 @@ impl Joined {
                     let (p, q) = (at[k], at[(k + 1) % n]);
                     put(self.middles[f * n + k], std::array::from_fn(|b| 0.5 * (p[b] + q[b])), QUARTER);
                 }
+                try_reserve(&mut homes, 1, "the mesh of a part")?;
+                try_reserve(&mut weights, 1, "the mesh of a part")?;
                 homes.push(Home { place: flat, aim: center, reach: [QUARTER; D] });
                 weights.push(1.0);
             }

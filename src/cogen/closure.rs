@@ -24,6 +24,16 @@ impl Pair {
         [0, 1].map(|k| self.cells[k].iter().map(|i| weights[k][i]).sum())
     }
 
+    /// What those of the cells that are among `some` weigh.
+    pub fn weigh_some(&self, some: &[Bits; 2], weights: [&[u64]; 2]) -> [u64; 2] {
+        [0, 1].map(|k| self.cells[k].iter().filter(|&i| some[k].has(i)).map(|i| weights[k][i]).sum())
+    }
+
+    /// How many of each part's cells are among `some`.
+    pub fn count_some(&self, some: &[Bits; 2]) -> [usize; 2] {
+        [0, 1].map(|k| self.cells[k].iter().filter(|&i| some[k].has(i)).count())
+    }
+
     /// How many cells part `side` has.
     pub fn count(&self, side: Side) -> usize {
         self.cells[side.index()].count()

@@ -61,10 +61,14 @@ impl Default for OverlapOptions {
     }
 }
 
-/// Which of two parts is seen to move, by its cells and how many of them count: that with fewer. Graphs and unsweeps ask the same, so that they
-/// keep the same cells.
-pub(super) fn moves<const D: usize>(grid: &Grid<D>, n: usize, other: &Grid<D>, n_other: usize) -> bool {
-    n.cmp(&n_other).then_with(|| grid.order(other)).is_lt()
+/// Whether of two parts the one with `grid` is seen to move, by how many of their cells count, by their cells, and by their motions, that of the
+/// other first: the one with fewer. Graphs and unsweeps ask the same, so that they keep the same cells.
+pub(super) fn moves<const D: usize>(
+    (grid, n): (&Grid<D>, usize),
+    (other, n_other): (&Grid<D>, usize),
+    relative: &Relative<D>,
+) -> bool {
+    n.cmp(&n_other).then_with(|| grid.order(other)).then_with(|| relative.order()).is_lt()
 }
 
 /// The graph.
@@ -95,7 +99,7 @@ impl Conflicts {
         let n_cells = parts.map(|p| p.grid().n_cells());
         // Rows for the part with fewer cells: they are what the time goes into.
         let n_allowed = parts.map(|p| p.allowed().count());
-        let rows_of = if moves(parts[1].grid(), n_allowed[1], parts[0].grid(), n_allowed[0]) {
+        let rows_of = if moves((parts[1].grid(), n_allowed[1]), (parts[0].grid(), n_allowed[0]), relative) {
             Side::Second
         } else {
             Side::First

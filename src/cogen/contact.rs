@@ -10,10 +10,10 @@ use super::conflict::Side;
 use super::cube::Cube;
 use super::grid::Grid;
 use super::steps::Relative;
-use crate::error::{try_vec, try_with_capacity};
+use crate::error::{try_reserve, try_vec, try_with_capacity};
 use crate::geometry::Bounds;
 use crate::geometry::rigid::Rigid;
-use crate::geometry::vec::{norm, sub};
+use crate::geometry::vec::{norm, number, sub};
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -56,8 +56,13 @@ pub fn contact<const D: usize>(
     }
     let steps = relative.even_steps_of_period(n_times)?;
     let map = DistanceMap::new(grids[0], &pair.cells[Side::First.index()])?;
-    let numbers: Vec<usize> = boundary(grids[1], &pair.cells[1]).collect();
-    let boundary: Vec<[f64; D]> = numbers.iter().map(|&j| grids[1].center(j)).collect();
+    let mut numbers: Vec<usize> = Vec::new();
+    for j in boundary(grids[1], &pair.cells[1]) {
+        try_reserve(&mut numbers, 1, "boundary cells")?;
+        numbers.push(j);
+    }
+    let mut boundary: Vec<[f64; D]> = try_with_capacity(numbers.len(), "boundary cells")?;
+    boundary.extend(numbers.iter().map(|&j| grids[1].center(j)));
     let search = Search { map: &map, cells: &pair.cells[0], grids, boundary: &boundary, numbers: &numbers };
     let mut gaps: Vec<Gap<D>> = try_with_capacity(n_times, "gaps")?;
     // As many at a time as make a parcel of work.
@@ -68,6 +73,10 @@ pub fn contact<const D: usize>(
             let step = &steps[from + k];
             search.nearest(step.time, &step.pose)
         }));
+    }
+    if let Some(far) = gaps.iter().find(|gap| !gap.distance.is_finite()) {
+        let text = format!("at time {} the parts are farther from each other than numbers reach", number(far.time));
+        return Err(Error::InvalidArgument(text));
     }
     // The other periods are like the first.
     for k in steps.len()..n_times {
@@ -219,7 +228,7 @@ impl<const D: usize> Search<'_, D> {
     fn look(&self, pose: &Rigid<D>, k: usize, below: f64, near: f64, best: &mut Gap<D>) {
         let p = pose.apply(self.boundary[k]);
         let mut radius = below + near;
-        while !best.distance.is_finite() {
+        while !best.distance.is_finite() && radius.is_finite() {
             self.look_within(pose, k, p, radius, best);
             radius *= 2.0;
         }

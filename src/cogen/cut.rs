@@ -21,8 +21,6 @@ pub struct Cut {
     pub weight: u64,
     /// No pair weighs more: what all cells weigh, less the flow.
     pub bound: u64,
-    /// How often labels were made.
-    pub n_rounds: usize,
 }
 
 /// The pair of greatest weight among those within `room`; `weights` `[n_1]` and `[n_2]`.
@@ -32,13 +30,13 @@ pub fn cut(conflicts: &Conflicts, room: &[Bits; 2], weights: [&[u64]; 2], progre
     let near = conflicts.rows_of();
     let (near_room, far_room) = (&room[near.index()], &room[near.other().index()]);
     let mut flow = Flow::new(conflicts, near_room, weights[near.index()], far_room, weights[near.other().index()])?;
-    let (kept, _, n_rounds) = flow.solve(near_room, far_room, progress)?;
+    let (kept, _, _) = flow.solve(near_room, far_room, progress)?;
     // Cells of weight 0 that are in nobody's way are on either side of the cut.
     let pair = close(conflicts, room, near, &kept)?;
     let weight = pair.weigh(weights).iter().sum();
     let bound = all - flow.amount();
     debug_assert_eq!(weight, bound);
-    Ok(Cut { pair, weight, bound, n_rounds })
+    Ok(Cut { pair, weight, bound })
 }
 
 /// What all cells of `room` weigh.

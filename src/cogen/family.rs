@@ -18,6 +18,7 @@ use super::cut::weight_of_all;
 use super::flow::Flow;
 use super::proximal::{PULLS, Proximal};
 use super::ties::Ties;
+use crate::error::try_with_capacity;
 use crate::geometry::vec::number;
 use crate::progress::Progress;
 use crate::{Error, Result};
@@ -77,6 +78,8 @@ struct Search<'a> {
     /// (w_1, w_2, W) of all cuts, by which pairs are bounded.
     cuts: Vec<[f64; 3]>,
     found: Vec<Member>,
+    /// Pairs that are asked for.
+    n_wanted: usize,
 }
 
 fn weigh(w: [u64; 2], corner: &Corner) -> u128 {
@@ -125,8 +128,16 @@ pub fn family(
     check_room(conflicts, room)?;
     let all = weight_of_all(room, weights)?;
     let colliding = conflicts.colliding(room)?;
-    let mut search =
-        Search { options: *options, conflicts, room, weights, colliding, cuts: Vec::new(), found: Vec::new() };
+    let mut search = Search {
+        options: *options,
+        conflicts,
+        room,
+        weights,
+        colliding,
+        cuts: Vec::new(),
+        found: Vec::new(),
+        n_wanted: gammas.len(),
+    };
     let ends = [
         search.corner(close(conflicts, room, Side::First, &room[0])?),
         search.corner(close(conflicts, room, Side::Second, &room[1])?),
@@ -168,12 +179,7 @@ pub fn family(
 
 impl Search<'_> {
     fn corner(&self, pair: Pair) -> Corner {
-        let weigh = |k: usize| {
-            let mut cells = pair.cells[k].clone();
-            cells.intersect(&self.colliding[k]);
-            cells.iter().map(|i| self.weights[k][i]).sum()
-        };
-        let volumes = [weigh(0), weigh(1)];
+        let volumes = pair.weigh_some(&self.colliding, self.weights);
         Corner { pair, volumes }
     }
 
@@ -193,12 +199,13 @@ impl Search<'_> {
             // Rounded, they have been tried.
             return self.leap(low, high, wanted, None, progress).map(|_| ());
         }
-        let weights = [0, 1].map(|k| self.weights[k].iter().map(|x| x * w[k]).collect::<Vec<u64>>());
+        let weights = self.scaled(w)?;
         let near = self.conflicts.rows_of();
         let (near_k, far_k) = (near.index(), near.other().index());
         let (near_cells, far_cells) = (&self.colliding[near_k], &self.colliding[far_k]);
         let flow = Flow::new(self.conflicts, near_cells, &weights[near_k], far_cells, &weights[far_k])?;
-        let mut ties = Ties::new(flow, near_cells, far_cells, progress)?;
+        let (from, to) = self.share();
+        let mut ties = progress.part(from, to, |part| Ties::new(flow, near_cells, far_cells, part))?;
         let all: u64 = (0..2).map(|k| self.colliding[k].iter().map(|i| weights[k][i]).sum::<u64>()).sum();
         self.cuts.push([w[0] as f64, w[1] as f64, (all - ties.flow()) as f64]);
         // The chain goes towards small gamma where part 1 grows.
@@ -219,6 +226,22 @@ impl Search<'_> {
             self.between(low, high, &left, progress)?;
         }
         Ok(())
+    }
+
+    /// The weights times `w`.
+    fn scaled(&self, w: [u64; 2]) -> Result<[Vec<u64>; 2]> {
+        let of = |k: usize| -> Result<Vec<u64>> {
+            let mut all = try_with_capacity(self.weights[k].len(), "weights")?;
+            all.extend(self.weights[k].iter().map(|x| x * w[k]));
+            Ok(all)
+        };
+        Ok([of(0)?, of(1)?])
+    }
+
+    /// The fractions of the work between which a cut is told: by how many pairs have been found.
+    fn share(&self) -> (f64, f64) {
+        let of = |n: usize| 0.2 + 0.8 * n.min(self.n_wanted) as f64 / self.n_wanted as f64;
+        (of(self.found.len()), of(self.found.len() + 1))
     }
 
     /// Weights across the line between two corners: what part 1 loses from one to the other weighs what part 2 gains.
@@ -301,7 +324,7 @@ impl Search<'_> {
     ) -> Result<Corner> {
         let off = |c: &Corner| (gamma_of(c.volumes) - gamma).abs();
         let w = rounded(if near == Side::First { slope(many, few) } else { slope(few, many) });
-        let weights = [0, 1].map(|k| self.weights[k].iter().map(|x| x * w[k]).collect::<Vec<u64>>());
+        let weights = self.scaled(w)?;
         let weights = [&weights[near.index()][..], &weights[near.other().index()]];
         let (mut few, mut many) = (few.clone(), many.clone());
         let mut best = if off(&few) <= off(&many) { few.clone() } else { many.clone() };
@@ -314,7 +337,8 @@ impl Search<'_> {
             while off(&best) > LOOSE && to - from > apart {
                 let place = (from + to) / 2;
                 let mut set = base.clone();
-                set.unite(&between.cut(place, pull, weights, progress)?);
+                let (done, next) = self.share();
+                set.unite(&progress.part(done, next, |part| between.cut(place, pull, weights, part))?);
                 let corner = self.corner(close(self.conflicts, self.room, near, &set)?);
                 if off(&corner) < off(&best) {
                     best = corner.clone();

@@ -1,12 +1,19 @@
 //! Grids of square or cubic cells.
 
 use crate::geometry::Bounds;
-use crate::geometry::vec::{is_finite, number, text};
+use crate::geometry::vec::{number, text};
 use crate::{Error, Result};
 use std::cmp::Ordering;
 
 /// Cells of a grid, at most: their numbers are 32 bits wide, and one is kept for none.
 pub const MOST_CELLS: usize = u32::MAX as usize - 1;
+
+/// Coordinates and edges are at most this: products of three of them are numbers still.
+const FAR: f64 = 1e100;
+
+fn within(p: &[f64]) -> bool {
+    p.iter().all(|x| x.abs() <= FAR)
+}
 
 /// Cells of edge eps from a corner on, row-major: the last axis runs fastest. Cell i is the closed cube C_i of (A.2) around its centre x_i.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,12 +26,15 @@ pub struct Grid<const D: usize> {
 impl<const D: usize> Grid<D> {
     /// `counts` cells of edge `cell` along each axis, from `corner` on.
     pub fn new(corner: [f64; D], cell: f64, counts: [usize; D]) -> Result<Self> {
-        if !is_finite(&corner) {
-            return Err(Error::InvalidArgument(format!("the grid's corner is {}; it must be finite", text(&corner))));
-        }
-        if !(cell > 0.0 && cell.is_finite()) {
+        if !within(&corner) {
             return Err(Error::InvalidArgument(format!(
-                "the grid's cells have the edge {}; it must be above 0 and finite",
+                "the grid's corner is {}; its coordinates must be finite, and 1e100 at most in size",
+                text(&corner)
+            )));
+        }
+        if !(1.0 / FAR..=FAR).contains(&cell) {
+            return Err(Error::InvalidArgument(format!(
+                "the grid's cells have the edge {}; it must lie in [1e-100, 1e100]",
                 number(cell)
             )));
         }
@@ -38,8 +48,9 @@ impl<const D: usize> Grid<D> {
             return Err(Error::InvalidArgument(format!("the grid has {n} cells; it may have {MOST_CELLS}")));
         }
         let far = std::array::from_fn::<f64, D, _>(|a| corner[a] + cell * counts[a] as f64);
-        if !is_finite(&far) {
-            return Err(Error::InvalidArgument(format!("the grid reaches to {}; that must be finite", text(&far))));
+        if !within(&far) {
+            let text = format!("the grid reaches to {}; 1e100 is the farthest", text(&far));
+            return Err(Error::InvalidArgument(text));
         }
         Ok(Grid { corner, cell, counts })
     }
@@ -133,6 +144,11 @@ mod tests {
         assert!(told([0.0; 2], 0.0, [1, 1]).contains("edge 0"));
         assert!(told([0.0; 2], 1.0, [1, 0]).contains("axis 1"));
         assert!(told([0.0; 2], 1.0, [usize::MAX, 2]).contains("may have"));
-        assert!(told([0.0; 2], 1e308, [9, 9]).contains("finite"));
+        assert!(told([0.0; 2], 1e99, [9, 99]).contains("the grid reaches to (9e99, 9.9e100)"));
+        assert!(told([1e101, 0.0], 1.0, [1, 1]).contains("corner"));
+        assert!(
+            told([0.0; 2], 1e-101, [1, 1]).contains("edge")
+                && told([0.0; 2], f64::INFINITY, [1, 1]).contains("edge inf")
+        );
     }
 }

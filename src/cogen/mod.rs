@@ -87,7 +87,7 @@ pub use grid::Grid;
 pub use motion::{Law, Motion, Wave};
 pub use optimise::{Design, OptimiseOptions, Optimised, optimise};
 pub use part::{Cell, Part};
-pub use persistent::{PersistenceOptions, Persistent, more_persistent, most_persistent};
+pub use persistent::{PersistenceOptions, Persistent, more_persistent};
 pub use sampled::SpeedLimit;
 pub use steps::{Relative, Sampling};
 pub use symmetry::{Folded, Symmetry};

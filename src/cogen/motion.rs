@@ -15,7 +15,14 @@ use std::sync::Arc;
 
 /// A motion. Copies share what it is made of.
 #[derive(Debug, Clone)]
-pub struct Motion<const D: usize>(Arc<Kind<D>>);
+pub struct Motion<const D: usize> {
+    kind: Arc<Kind<D>>,
+    /// Motions that it is a product of.
+    n_factors: usize,
+}
+
+/// Motions that one may be a product of: each costs time, and stack, wherever the product is asked for.
+const MOST_FACTORS: usize = 1000;
 
 #[derive(Debug)]
 enum Kind<const D: usize> {
@@ -123,7 +130,7 @@ impl<const D: usize> Motion<D> {
 
     /// A part that stays at `pose`.
     pub fn at_pose(pose: Rigid<D>) -> Self {
-        Motion(Arc::new(Kind::Fixed(pose)))
+        Motion::of(Kind::Fixed(pose))
     }
 
     /// A slide by `law` times `along`.
@@ -140,7 +147,7 @@ impl<const D: usize> Motion<D> {
             return Err(Error::InvalidArgument("the matrix of the motion's screw is not skew: W^T must be -W".into()));
         }
         law.check()?;
-        Ok(Motion(Arc::new(Kind::Along(twist, law))))
+        Ok(Motion::of(Kind::Along(twist, law)))
     }
 
     /// The screw interpolation of `poses` at even times from 0 to 1: from each to the next by the screw of the smallest turn. Samples have
@@ -173,22 +180,34 @@ impl<const D: usize> Motion<D> {
             }
             twists.push(twist.scaled(n));
         }
-        Ok(Motion(Arc::new(Kind::Sampled(poses, twists))))
+        Ok(Motion::of(Kind::Sampled(poses, twists)))
     }
 
-    /// tau(t) = this(t) `inner`(t): what `inner` does is seen from what this moves.
-    pub fn times(&self, inner: &Self) -> Self {
-        Motion(Arc::new(Kind::Product(self.clone(), inner.clone())))
+    /// tau(t) = this(t) `inner`(t): what `inner` does is seen from what this moves. The error tells of too many motions in a product.
+    pub fn times(&self, inner: &Self) -> Result<Self> {
+        let n_factors = self.n_factors.saturating_add(inner.n_factors);
+        if n_factors > MOST_FACTORS {
+            let text = format!("a product of {n_factors} motions; at most {MOST_FACTORS}: sample it instead");
+            return Err(Error::InvalidArgument(text));
+        }
+        Ok(Motion { kind: Arc::new(Kind::Product(self.clone(), inner.clone())), n_factors })
     }
 
     /// The motion that undoes this one at each time.
     pub fn inverse(&self) -> Self {
-        Motion(Arc::new(Kind::Inverse(self.clone())))
+        match &*self.kind {
+            Kind::Inverse(motion) => motion.clone(),
+            _ => Motion { kind: Arc::new(Kind::Inverse(self.clone())), n_factors: self.n_factors },
+        }
+    }
+
+    fn of(kind: Kind<D>) -> Self {
+        Motion { kind: Arc::new(kind), n_factors: 1 }
     }
 
     /// tau(t)
     pub fn at(&self, t: f64) -> Rigid<D> {
-        match &*self.0 {
+        match &*self.kind {
             Kind::Fixed(pose) => *pose,
             Kind::Along(twist, law) => twist.scaled(law.at(t)).exp(),
             Kind::Sampled(poses, twists) => {
@@ -202,7 +221,7 @@ impl<const D: usize> Motion<D> {
 
     /// Velocities at t, by place in the world; between samples' screws that of the later one.
     pub fn twist(&self, t: f64) -> Twist<D> {
-        match &*self.0 {
+        match &*self.kind {
             Kind::Fixed(_) => Twist::ZERO,
             Kind::Along(twist, law) => twist.scaled(law.rate(t)),
             Kind::Sampled(_, twists) => twists[segment(t, twists.len()).0],
@@ -213,7 +232,7 @@ impl<const D: usize> Motion<D> {
 
     /// Puts the times between 0 and 1 at which velocities may jump behind those of `times`.
     pub fn knots(&self, times: &mut Vec<f64>) {
-        match &*self.0 {
+        match &*self.kind {
             Kind::Fixed(_) | Kind::Along(..) => {}
             Kind::Sampled(_, twists) => times.extend((1..twists.len()).map(|k| k as f64 / twists.len() as f64)),
             Kind::Product(a, b) => {
@@ -227,7 +246,7 @@ impl<const D: usize> Motion<D> {
     /// How often the motion repeats itself as t goes from 0 to 1: tau(t + 1 / n) = tau(t) for this n and its divisors; 0 where nothing moves,
     /// which any n holds for. Samples are not looked at: they count as 1.
     pub fn n_periods(&self) -> u64 {
-        match &*self.0 {
+        match &*self.kind {
             Kind::Fixed(_) => 0,
             Kind::Along(twist, law) => law.n_periods(twist),
             Kind::Sampled(..) => 1,
@@ -238,7 +257,7 @@ impl<const D: usize> Motion<D> {
 
     /// Bounds over the times within `half` of `t`, between which no knot lies.
     pub fn bound(&self, t: f64, half: f64) -> RateBound<D> {
-        match &*self.0 {
+        match &*self.kind {
             Kind::Fixed(_) => RateBound { about: [0.0; D], turn: 0.0, turn_rate: 0.0, drift: 0.0, drift_rate: 0.0 },
             Kind::Along(twist, law) => {
                 let (first, second) = law.bounds();
@@ -262,7 +281,12 @@ impl<const D: usize> Motion<D> {
                 }
             }
             Kind::Product(a, b) => {
-                let (before, a, b) = (a.at(t), a.bound(t, half), b.bound(t, half));
+                let (fixed, before) = (matches!(&*a.kind, Kind::Fixed(_)), a.at(t));
+                let (a, b) = (a.bound(t, half), b.bound(t, half));
+                if fixed {
+                    // The same about where it puts b's o: about its own the whole would be farther off.
+                    return RateBound { about: before.apply(b.about), ..b };
+                }
                 // How far from b's o the point is that a's o is in b's world: it moves as fast as a drifts.
                 let r = norm(sub(before.apply_inverse(a.about), b.about)) + half * a.drift;
                 RateBound {
@@ -345,10 +369,12 @@ mod tests {
         let law = || Law { offset: 0.1, slope: 1.5, waves: vec![Wave { amplitude: 0.3, cycles: 2.0, phase: 0.4 }] };
         let screw = Motion::screw([1.0, 0.0, 0.5], [0.2, 1.0, -0.4], 0.3, law()).unwrap();
         let slide = Motion::slide([0.1, -0.4, 0.9], law()).unwrap();
-        let sampled = Motion::sampled((0..5).map(|k| screw.times(&slide).at(f64::from(k) / 4.0)).collect()).unwrap();
-        let product = screw.times(&sampled);
-        let (back, across) = (screw.inverse().times(&slide), slide.inverse().times(&product));
-        vec![Motion::fixed(), screw, slide, sampled, product.clone(), product.inverse(), back, across]
+        let sampled =
+            Motion::sampled((0..5).map(|k| screw.times(&slide).unwrap().at(f64::from(k) / 4.0)).collect()).unwrap();
+        let product = screw.times(&sampled).unwrap();
+        let still = Motion::at_pose(screw.at(0.3)).times(&product).unwrap();
+        let (back, across) = (screw.inverse().times(&slide).unwrap(), slide.inverse().times(&product).unwrap());
+        vec![Motion::fixed(), screw, slide, sampled, product.clone(), product.inverse(), back, across, still]
     }
 
     proptest! {
@@ -390,6 +416,19 @@ mod tests {
     }
 
     #[test]
+    fn products_are_of_a_thousand_motions_at_most() {
+        let step = Motion::<2>::slide([1e-3, 0.0], Law::even(1.0)).unwrap();
+        let mut whole = step.clone();
+        for _ in 1..MOST_FACTORS {
+            // Inverses of inverses are no deeper.
+            whole = whole.inverse().inverse().times(&step).unwrap();
+        }
+        assert!((whole.at(1.0).shift[0] - 1.0).abs() < 1e-12);
+        let told = whole.times(&step).unwrap_err().to_string();
+        assert!(told.contains("a product of 1001 motions; at most 1000"), "{told}");
+    }
+
+    #[test]
     fn motions_know_how_often_they_repeat_themselves() {
         let wave = |cycles| Wave { amplitude: 0.3, cycles, phase: 0.4 };
         let law = |turns: f64, waves: &[f64]| Law {
@@ -411,8 +450,8 @@ mod tests {
             (screw, 1),
             (slide(law(0.0, &[8.0])), 8),
             (slide(law(1.0, &[])), 1),
-            (slide(law(0.0, &[8.0])).times(&turn(law(12.0, &[]))), 4),
-            (slide(law(0.0, &[8.0])).times(&samples), 1),
+            (slide(law(0.0, &[8.0])).times(&turn(law(12.0, &[]))).unwrap(), 4),
+            (slide(law(0.0, &[8.0])).times(&samples).unwrap(), 1),
             (turn(law(6.0, &[])).inverse(), 6),
         ] {
             assert_eq!(motion.n_periods(), n, "{motion:?}");

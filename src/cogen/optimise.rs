@@ -108,7 +108,11 @@ pub fn optimise<const D: usize>(
     });
     let [one, two] = variables;
     let variables = [one?, two?];
-    let mut densities = room.each_ref().map(|set| (0..set.len()).map(|i| f64::from(u8::from(set.has(i)))).collect());
+    let mut densities = [const { Vec::new() }; 2];
+    for (rho, set) in densities.iter_mut().zip(room) {
+        *rho = try_vec(set.len(), 0.0, "densities")?;
+        set.iter().for_each(|i| rho[i] = 1.0);
+    }
     let mut state = State::new(correlation, &variables, options, workers)?;
     let mut history: Vec<Iteration> = Vec::new();
     let mut converged = false;
@@ -127,15 +131,11 @@ pub fn optimise<const D: usize>(
     }
     let kept = |k: usize| Bits::of(room[k].len(), |i| densities[k][i] > 0.5);
     let thresholded = [kept(0)?, kept(1)?];
-    let volume = |side: Side, set: &Bits| set.count() as f64 * correlation.measure(side);
     let measures = [Side::First, Side::Second].map(|side| correlation.measure(side));
     let from = options.from.unwrap_or_else(|| larger(measures, thresholded.each_ref()));
     let pair = close(conflicts, room, from, &thresholded[from.index()])?;
-    let left = [Side::First, Side::Second].map(|side| {
-        let mut set = pair.cells[side.index()].clone();
-        set.intersect(&colliding[side.index()]);
-        volume(side, &set)
-    });
+    let counts = pair.count_some(&colliding);
+    let left = [0, 1].map(|k| counts[k] as f64 * measures[k]);
     Ok(Optimised { densities, pair, gamma: left[1] / (left[0] + left[1]), history, converged })
 }
 

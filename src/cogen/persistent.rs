@@ -6,7 +6,7 @@
 //! around that place are added or taken away, a few or many at a time, and what raises persistence stays.
 
 use super::bits::Bits;
-use super::closure::Pair;
+use super::closure::{Pair, close};
 use super::conflict::{Conflicts, Side};
 use super::contact::{Contact, contact};
 use super::cut::weight_of_all;
@@ -14,7 +14,7 @@ use super::flow::Flow;
 use super::grid::Grid;
 use super::steps::Relative;
 use super::ties::Ties;
-use crate::error::{try_reserve, try_vec};
+use crate::error::{try_reserve, try_vec, try_with_capacity};
 use crate::geometry::vec::{norm, number, sub};
 use crate::par::Workers;
 use crate::progress::Progress;
@@ -59,30 +59,6 @@ pub fn persistence<const D: usize>(contact: &Contact<D>, scale: f64) -> f64 {
     contact.gaps.iter().map(|g| 1.0 / (1.0 + g.distance / scale)).sum::<f64>() / contact.gaps.len() as f64
 }
 
-/// The most persistent of `pairs` that weigh as much as the heaviest, by its number, and its gaps: for pairs that are known, of a family, say.
-pub fn most_persistent<const D: usize>(
-    grids: [&Grid<D>; 2],
-    pairs: &[Pair],
-    weights: [&[u64]; 2],
-    relative: &Relative<D>,
-    options: &PersistenceOptions,
-    workers: &Workers,
-    progress: &mut Progress<'_>,
-) -> Result<(usize, Contact<D>)> {
-    let scale = options.checked_scale(grids)?;
-    let weights: Vec<u64> = pairs.iter().map(|p| p.weigh(weights).iter().sum()).collect();
-    let most = weights.iter().max().copied();
-    let mut best: Option<(f64, usize, Contact<D>)> = None;
-    for (k, pair) in pairs.iter().enumerate().filter(|(k, _)| Some(weights[*k]) == most) {
-        let gaps = contact(grids, pair, relative, options.n_times, workers, progress)?;
-        let score = persistence(&gaps, scale);
-        if best.as_ref().is_none_or(|(s, ..)| score > *s) {
-            best = Some((score, k, gaps));
-        }
-    }
-    best.map(|(_, k, gaps)| (k, gaps)).ok_or_else(|| Error::InvalidArgument("no pairs to choose from".into()))
-}
-
 impl PersistenceOptions {
     fn checked_scale<const D: usize>(&self, grids: [&Grid<D>; 2]) -> Result<f64> {
         let [from, to] = self.gammas;
@@ -115,7 +91,7 @@ pub fn more_persistent<const D: usize>(
     progress: &mut Progress<'_>,
 ) -> Result<Persistent<D>> {
     let scale = options.checked_scale(grids)?;
-    let ties = Lattice::new(conflicts, room, weights, start, progress)?;
+    let ties = progress.part(0.0, 0.3, |part| Lattice::new(conflicts, room, weights, start, part))?;
     let mut state = State { pair: start.clone(), taken: ties.taken(start)? };
     let gaps = |pair: &Pair| contact(grids, pair, relative, options.n_times, workers, &mut Progress::silent());
     let mut now = gaps(&state.pair)?;
@@ -140,7 +116,7 @@ pub fn more_persistent<const D: usize>(
                         break 'search;
                     }
                     n_tries += 1;
-                    progress.tell(n_tries as f64 / options.max_tries as f64, "persistent contact")?;
+                    progress.tell(0.3 + 0.7 * n_tries as f64 / options.max_tries as f64, "persistent contact")?;
                     let tried = gaps(&next.pair)?;
                     let better = persistence(&tried, scale);
                     if better > score {
@@ -173,6 +149,7 @@ struct State {
 /// All pairs of the greatest weight.
 struct Lattice<'a> {
     conflicts: &'a Conflicts,
+    room: &'a [Bits; 2],
     near: Side,
     /// Near cells that each tie gains, far ones that it loses.
     ties: Vec<[Vec<u32>; 2]>,
@@ -181,17 +158,23 @@ struct Lattice<'a> {
     weights: [&'a [u64]; 2],
     /// Cells that collide with any of the other part.
     colliding: [Bits; 2],
+    /// Whether there are cells of weight 0, which are in no tie.
+    has_idle: bool,
 }
 
 impl<'a> Lattice<'a> {
     fn new(
         conflicts: &'a Conflicts,
-        room: &[Bits; 2],
+        room: &'a [Bits; 2],
         weights: [&'a [u64]; 2],
         start: &Pair,
         progress: &mut Progress<'_>,
     ) -> Result<Self> {
         let all = weight_of_all(room, weights)?;
+        if close(conflicts, room, Side::First, &start.cells[0])? != *start {
+            let text = "the pair collides, could grow, or has cells that a part may not have; it must be one of a cut or of a closure";
+            return Err(Error::InvalidArgument(text.into()));
+        }
         let near = conflicts.rows_of();
         let (n, f) = (near.index(), near.other().index());
         let flow = Flow::new(conflicts, &room[n], weights[n], &room[f], weights[f])?;
@@ -210,10 +193,16 @@ impl<'a> Lattice<'a> {
             for (of, cells) in tie_of.iter_mut().zip([&gained, &lost]) {
                 cells.iter().for_each(|&i| of[i] = ties.len() as u32);
             }
-            ties.push([&gained, &lost].map(|cells| cells.iter().map(|&i| i as u32).collect()));
+            let of = |cells: &[usize]| -> Result<Vec<u32>> {
+                let mut numbers = try_with_capacity(cells.len(), "ties")?;
+                numbers.extend(cells.iter().map(|&i| i as u32));
+                Ok(numbers)
+            };
+            ties.push([of(&gained)?, of(&lost)?]);
         }
         let colliding = conflicts.colliding(room)?;
-        Ok(Lattice { conflicts, near, ties, tie_of, weights, colliding })
+        let has_idle = (0..2).any(|k| room[k].iter().any(|i| weights[k][i] == 0));
+        Ok(Lattice { conflicts, room, near, ties, tie_of, weights, colliding, has_idle })
     }
 
     /// Which ties a pair has taken: those whose near cells it has.
@@ -276,23 +265,21 @@ impl<'a> Lattice<'a> {
                 if take { cells.remove(j as usize) } else { cells.insert(j as usize) }
             }
         }
+        if self.has_idle {
+            next.pair = close(self.conflicts, self.room, Side::First, &next.pair.cells[0])?;
+        }
         Ok(Some(next))
     }
 
     /// Whether gamma of a pair is in a range.
     fn is_within(&self, pair: &Pair, gammas: [f64; 2]) -> bool {
-        let volumes = [0, 1].map(|k| {
-            let mut left = pair.cells[k].clone();
-            left.intersect(&self.colliding[k]);
-            left.iter().map(|i| self.weights[k][i]).sum::<u64>() as f64
-        });
+        let volumes = pair.weigh_some(&self.colliding, self.weights).map(|v| v as f64);
         (gammas[0]..=gammas[1]).contains(&(volumes[1] / (volumes[0] + volumes[1])))
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::closure::close;
     use super::super::conflict::OverlapOptions;
     use super::super::cut::cut;
     use super::super::motion::{Law, Motion};
@@ -382,20 +369,6 @@ mod tests {
         assert!(middle.before == found.after && middle.after >= middle.before);
         let gamma = gears.gamma(&middle.pair);
         assert!(middle.pair == found.pair || (0.3..=0.7).contains(&gamma), "{gamma}");
-        // Of several the best is taken, if it is as heavy as any.
-        let Gears { grids: [one, two], relative, .. } = &gears;
-        let lighter = close(&gears.conflicts, &gears.room, Side::First, &Bits::none(1600).unwrap()).unwrap();
-        let pairs = [start, lighter, found.pair];
-        let choice = most_persistent(
-            [one, two],
-            &pairs,
-            gears.weights(),
-            relative,
-            &options,
-            &Workers::caller_only(),
-            &mut Progress::silent(),
-        );
-        assert_eq!(choice.unwrap().0, 2);
     }
 
     /// All pairs of the greatest weight, by taking away and adding single ties from any on.
@@ -448,11 +421,23 @@ mod tests {
     fn pairs_that_are_not_of_the_greatest_weight_are_refused() {
         let gears = gears(12, 1.0);
         let options = PersistenceOptions::default();
-        let mut less = gears.best();
-        let first = less.cells[0].iter().next().unwrap();
-        less.cells[0].remove(first);
-        assert!(gears.search(&less, &options).unwrap_err().to_string().contains("the greatest weight is"));
-        let wrong = |options| gears.search(&gears.best(), &options).unwrap_err().to_string();
+        let most: u64 = gears.best().weigh(gears.weights()).iter().sum();
+        let some = |k: usize| {
+            let set = Bits::of(144, |i| i % k == 0).unwrap();
+            close(&gears.conflicts, &gears.room, Side::First, &set).unwrap()
+        };
+        let less = (2..9).map(some).find(|pair| pair.weigh(gears.weights()).iter().sum::<u64>() < most).unwrap();
+        let told = gears.search(&less, &options).map(|found| found.after).unwrap_err().to_string();
+        assert!(told.contains("the greatest weight is"), "{told}");
+        // Some that overlap weigh as much.
+        let mut other = gears.best();
+        let lost = (0..144).find(|&i| !other.cells[0].has(i)).unwrap();
+        let had = other.cells[0].iter().next().unwrap();
+        other.cells[0].insert(lost);
+        other.cells[0].remove(had);
+        let told = gears.search(&other, &options).map(|found| found.after).unwrap_err().to_string();
+        assert!(told.contains("the pair collides"), "{told}");
+        let wrong = |options| gears.search(&gears.best(), &options).map(|found| found.after).unwrap_err().to_string();
         assert!(wrong(PersistenceOptions { gammas: [0.7, 0.3], ..options }).contains("from 0.7 to 0.3"));
         assert!(wrong(PersistenceOptions { scale: f64::NAN, ..options }).contains("a scale of NaN"));
         assert!(wrong(PersistenceOptions { n_times: 0, ..options }).contains("0 steps"));

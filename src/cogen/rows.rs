@@ -14,7 +14,7 @@ use std::sync::Arc;
 const GAP: usize = (1 << 24) - 1;
 const LENGTH: usize = 255;
 
-/// Edges that are put in order at a time.
+/// Edges that are put in order at a time: 256 MB.
 const SLAB: usize = 1 << 26;
 
 /// Some rows.
@@ -84,6 +84,25 @@ pub struct Rows {
     n_rows: usize,
 }
 
+/// Some columns, each with the rows that it is in, in order.
+struct Gathered {
+    first: usize,
+    /// Where each begins in `cells`.
+    begins: Vec<usize>,
+    cells: Vec<u32>,
+}
+
+impl Gathered {
+    /// Puts column `j` behind the rows of `block`.
+    fn put(&self, j: usize, block: &mut Block) -> Result<()> {
+        let k = j - self.first;
+        let cells = &self.cells[self.begins[k]..self.begins[k + 1]];
+        block.push_row(|run| {
+            cells.chunk_by(|a, b| a + 1 == *b).try_for_each(|c| run(c[0] as usize..c[0] as usize + c.len()))
+        })
+    }
+}
+
 /// A place in a row: how many of its runs have been taken, and where the last of them ends.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cursor {
@@ -101,55 +120,92 @@ impl Rows {
 
     /// The same edges by the numbers in the rows, which are below `n`.
     pub fn transposed(&self, n: usize, workers: &Workers) -> Result<Self> {
-        // As many columns at a time as have about SLAB edges.
-        let mut count: Vec<u32> = try_vec(n + 1, 0, "the conflict graph")?;
-        for i in 0..self.n_rows {
-            for run in self.iter(i) {
-                count[run.start] = count[run.start].wrapping_add(1);
-                count[run.end] = count[run.end].wrapping_sub(1);
+        self.transposed_by(SLAB, n, workers)
+    }
+
+    /// The same with as many edges at a time, or one column.
+    fn transposed_by(&self, slab: usize, n: usize, workers: &Workers) -> Result<Self> {
+        let counts = self.counts(n)?;
+        let edges = |columns: Range<usize>| counts[columns].iter().map(|&c| c as usize).sum::<usize>();
+        let mut blocks: Vec<Block> = try_with_capacity(n.div_ceil(BLOCK), "the conflict graph")?;
+        let mut from = 0;
+        while from < n {
+            // As many blocks of columns as have `slab` edges, but one at least.
+            let mut to = (from + BLOCK).min(n);
+            let mut sum = edges(from..to);
+            while to < n && sum + edges(to..(to + BLOCK).min(n)) <= slab {
+                let next = (to + BLOCK).min(n);
+                sum += edges(to..next);
+                to = next;
             }
-        }
-        (0..n).for_each(|j| count[j + 1] = count[j + 1].wrapping_add(count[j]));
-        let mut slabs = vec![0];
-        let mut sum = 0;
-        for block in 0..n.div_ceil(BLOCK) {
-            let end = ((block + 1) * BLOCK).min(n);
-            sum += count[block * BLOCK..end].iter().map(|&c| c as usize).sum::<usize>();
-            if sum >= SLAB || end == n {
-                slabs.push(end);
-                sum = 0;
-            }
-        }
-        let mut blocks = Vec::new();
-        for slab in slabs.windows(2) {
-            let columns = slab[0]..slab[1];
-            let mut begins: Vec<u32> = try_vec(columns.len() + 1, 0, "the conflict graph")?;
-            (0..columns.len()).for_each(|j| begins[j + 1] = begins[j] + count[slab[0] + j]);
-            let mut cells: Vec<u32> = try_vec(begins[columns.len()] as usize, 0, "the conflict graph")?;
-            let mut at = begins.clone();
-            for i in 0..self.n_rows {
-                for run in self.iter(i).skip_while(|run| run.end <= slab[0]).take_while(|run| run.start < slab[1]) {
-                    for j in run.start.max(slab[0])..run.end.min(slab[1]) {
-                        cells[at[j - slab[0]] as usize] = i as u32;
-                        at[j - slab[0]] += 1;
-                    }
+            if sum > slab {
+                blocks.push(self.dense(from..to, slab, &counts)?);
+            } else {
+                let gathered = self.gathered(from..to, &counts)?;
+                let made = workers.map((to - from).div_ceil(BLOCK), |k| -> Result<Block> {
+                    let mut block = Block::new()?;
+                    let first = from + k * BLOCK;
+                    (first..(first + BLOCK).min(to)).try_for_each(|j| gathered.put(j, &mut block))?;
+                    Ok(block.settled())
+                });
+                for block in made {
+                    blocks.push(block?);
                 }
             }
-            let made = workers.map(columns.len().div_ceil(BLOCK), |k| -> Result<Block> {
-                let mut block = Block::new()?;
-                for j in k * BLOCK..((k + 1) * BLOCK).min(columns.len()) {
-                    let cells = &cells[begins[j] as usize..begins[j + 1] as usize];
-                    block.push_row(|run| {
-                        cells.chunk_by(|a, b| a + 1 == *b).try_for_each(|c| run(c[0] as usize..c[0] as usize + c.len()))
-                    })?;
-                }
-                Ok(block.settled())
-            });
-            for block in made {
-                blocks.push(block?);
-            }
+            from = to;
         }
         Ok(Rows::new(blocks))
+    }
+
+    /// Edges of each column.
+    fn counts(&self, n: usize) -> Result<Vec<u32>> {
+        let mut counts: Vec<u32> = try_vec(n + 1, 0, "the conflict graph")?;
+        for i in 0..self.n_rows {
+            for run in self.iter(i) {
+                counts[run.start] = counts[run.start].wrapping_add(1);
+                counts[run.end] = counts[run.end].wrapping_sub(1);
+            }
+        }
+        (0..n).for_each(|j| counts[j + 1] = counts[j + 1].wrapping_add(counts[j]));
+        Ok(counts)
+    }
+
+    /// A block of columns with more than `slab` edges, some of them at a time.
+    fn dense(&self, columns: Range<usize>, slab: usize, counts: &[u32]) -> Result<Block> {
+        let mut block = Block::new()?;
+        let mut from = columns.start;
+        while from < columns.end {
+            let (mut to, mut sum) = (from + 1, counts[from] as usize);
+            while to < columns.end && sum + counts[to] as usize <= slab {
+                sum += counts[to] as usize;
+                to += 1;
+            }
+            let gathered = self.gathered(from..to, counts)?;
+            (from..to).try_for_each(|j| gathered.put(j, &mut block))?;
+            from = to;
+        }
+        Ok(block.settled())
+    }
+
+    /// The rows that some columns are in.
+    fn gathered(&self, columns: Range<usize>, counts: &[u32]) -> Result<Gathered> {
+        let n = columns.len();
+        let mut begins: Vec<usize> = try_vec(n + 1, 0, "the conflict graph")?;
+        (0..n).for_each(|j| begins[j + 1] = begins[j] + counts[columns.start + j] as usize);
+        let mut cells: Vec<u32> = try_vec(begins[n], 0, "the conflict graph")?;
+        let mut at: Vec<usize> = try_with_capacity(n, "the conflict graph")?;
+        at.extend_from_slice(&begins[..n]);
+        for i in 0..self.n_rows {
+            let runs = self.iter(i).skip_while(|run| run.end <= columns.start);
+            for run in runs.take_while(|run| run.start < columns.end) {
+                for j in run.start.max(columns.start)..run.end.min(columns.end) {
+                    let at = &mut at[j - columns.start];
+                    cells[*at] = i as u32;
+                    *at += 1;
+                }
+            }
+        }
+        Ok(Gathered { first: columns.start, begins, cells })
     }
 
     /// How many edges there are.
@@ -198,6 +254,27 @@ impl Rows {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn columns_are_the_rows_turned_whatever_comes_at_a_time() {
+        let (n_rows, n) = (700, 900);
+        let has = |i: usize, j: usize| (i * i + 3 * j) % 7 < 2 || (300..420).contains(&j);
+        let blocks = (0..n_rows).step_by(BLOCK).map(|from| {
+            let mut block = Block::new().unwrap();
+            for i in from..(from + BLOCK).min(n_rows) {
+                block.push_row(|run| (0..n).filter(|&j| has(i, j)).try_for_each(|j| run(j..j + 1))).unwrap();
+            }
+            block
+        });
+        let rows = Rows::new(blocks.collect());
+        for slab in [1, 5_000, 100_000, SLAB] {
+            let columns = rows.transposed_by(slab, n, &Workers::new(2).unwrap()).unwrap();
+            assert_eq!((columns.n_rows, columns.n_edges()), (n, rows.n_edges()));
+            for j in 0..n {
+                assert!(columns.iter(j).flatten().eq((0..n_rows).filter(|&i| has(i, j))), "{slab} {j}");
+            }
+        }
+    }
 
     #[test]
     fn rows_come_back_as_they_went_in() {

@@ -15,6 +15,7 @@ use crate::error::{try_reserve, try_with_capacity};
 use crate::geometry::rigid::{Rigid, Twist};
 use crate::geometry::vec::{norm, number, sub};
 use crate::{Error, Result};
+use std::cmp::Ordering;
 
 /// How finely time is cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,6 +53,9 @@ pub struct Relative<const D: usize> {
     pub of: Motion<D>,
 }
 
+/// Times that tell motions apart.
+const TIMES: [f64; 4] = [0.0, 0.312_5, 0.718_75, 1.0];
+
 impl<const D: usize> Relative<D> {
     /// tau(t)
     pub fn at(&self, t: f64) -> Rigid<D> {
@@ -67,6 +71,17 @@ impl<const D: usize> Relative<D> {
     /// The same looked at from the other part.
     pub fn reversed(&self) -> Self {
         Relative { from: self.of.clone(), of: self.from.clone() }
+    }
+
+    /// An order of the two motions, by where `of` is and where `from` is at some times: of parts that are alike it tells one from the other,
+    /// whichever comes first. Equal where they do not move against each other, as far as these times tell.
+    pub(super) fn order(&self) -> Ordering {
+        let numbers = |motion: &Motion<D>, t: f64| {
+            let pose = motion.at(t);
+            pose.shift.into_iter().chain(pose.turn.into_iter().flatten()).collect::<Vec<_>>()
+        };
+        let pairs = TIMES.iter().flat_map(|&t| numbers(&self.of, t).into_iter().zip(numbers(&self.from, t)));
+        pairs.map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne()).unwrap_or(Ordering::Equal)
     }
 
     /// How often both motions repeat themselves together as t goes from 0 to 1: one period of them shows all that happens.
@@ -230,7 +245,8 @@ mod tests {
         let law = |slope| Law { offset: 0.1, slope, waves: vec![Wave { amplitude: 0.2, cycles: 1.0, phase: 0.4 }] };
         let screw = Motion::screw([1.0, 0.0, 0.5], [0.2, 1.0, -0.4], 0.3, law(3.0)).unwrap();
         let slide = Motion::slide([0.1, -0.4, 0.9], law(0.3)).unwrap();
-        let sampled = Motion::sampled((0..5).map(|k| slide.times(&screw).at(f64::from(k) / 4.0)).collect()).unwrap();
+        let sampled =
+            Motion::sampled((0..5).map(|k| slide.times(&screw).unwrap().at(f64::from(k) / 4.0)).collect()).unwrap();
         Relative { from: screw, of: sampled.inverse() }
     }
 

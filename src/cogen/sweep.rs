@@ -102,7 +102,9 @@ pub fn unsweep<const D: usize>(
             let out: Vec<usize> = kept.iter().filter(|&i| is_out(i)).collect();
             out.into_iter().for_each(|i| kept.remove(i));
         }
-        if body.rule == Rule::Avoid && moves(&grid, forbidden.count(), moving, part.allowed().count()) {
+        if body.rule == Rule::Avoid
+            && moves((&grid, forbidden.count()), (moving, part.allowed().count()), &body.relative.reversed())
+        {
             // Seen from the part, as a graph would have it.
             let swathes = Swathes::new(&body.relative.reversed(), sampling, moving, &grid, body.clearance)?;
             kept.subtract(&swept_by(&swathes, &grid, &forbidden, moving, workers, progress)?);

@@ -151,11 +151,17 @@ pub struct Folded {
 }
 
 impl Folded {
-    /// Of `conflicts`, by all `maps` and what they make together. Each must carry edges onto edges: of those of the graph at most the fraction
+    /// Of `conflicts`, by all `maps` and what they make together. It takes a pass over all edges for each map, and one more. Each must carry edges onto edges: of those of the graph at most the fraction
     /// `excess` may miss their images. With 0 it must do so exactly; a little more leaves room for what rounding makes of cells that just touch,
     /// and of steps of time that the map does not carry onto steps. Images that are missed count as conflicts: what is given back is free of
     /// conflicts all the same.
-    pub fn new(conflicts: &Conflicts, maps: &[Symmetry], excess: f64, workers: &Workers) -> Result<Self> {
+    pub fn new(
+        conflicts: &Conflicts,
+        maps: &[Symmetry],
+        excess: f64,
+        workers: &Workers,
+        progress: &mut Progress<'_>,
+    ) -> Result<Self> {
         if !(0.0..1.0).contains(&excess) {
             let text = format!("the excess of edges is {}; it must be in [0, 1)", number(excess));
             return Err(Error::InvalidArgument(text));
@@ -170,6 +176,7 @@ impl Folded {
                     )));
                 }
             }
+            progress.tell(0.0, "symmetries")?;
             check(conflicts, m, map, excess, workers)?;
         }
         let orbits = |side: Side| {
@@ -183,7 +190,7 @@ impl Folded {
             let runs = own.cells(orbit).iter().flat_map(|&i| conflicts.rows().iter(i as usize));
             runs.for_each(|run| other.of[run].iter().for_each(|&j| mark(j as usize)));
         };
-        let conflicts = Conflicts::of_rows(sizes, near, row, Limit::none(), workers, &mut Progress::silent())?;
+        let conflicts = Conflicts::of_rows(sizes, near, row, Limit::none(), workers, progress)?;
         Ok(Folded { orbits, conflicts })
     }
 
@@ -203,10 +210,10 @@ impl Folded {
         Bits::of(orbits.len(), |k| orbits.cells(k).iter().all(|&i| set.has(i as usize)))
     }
 
-    /// The orbits that each part may have; `frozen` are the cells that it must. The error tells of a frozen cell whose orbit does not fit into
-    /// the `room`.
+    /// The orbits that each part may have beside those that the other must; `frozen` are the cells that it must. The error tells of a frozen cell
+    /// whose orbit does not fit into the `room`, and of orbits of frozen cells that conflict: by images that an excess lets be missed.
     pub fn room(&self, room: &[Bits; 2], frozen: [&Bits; 2]) -> Result<[Bits; 2]> {
-        let folded = [self.fold(Side::First, &room[0])?, self.fold(Side::Second, &room[1])?];
+        let mut folded = [self.fold(Side::First, &room[0])?, self.fold(Side::Second, &room[1])?];
         for k in 0..2 {
             let lost = |&i: &usize| self.orbits[k].of.get(i).is_none_or(|&orbit| !folded[k].has(orbit as usize));
             if let Some(i) = frozen[k].iter().find(lost) {
@@ -215,6 +222,26 @@ impl Folded {
                     k + 1
                 )));
             }
+        }
+        let of = |side: Side| -> Result<Bits> {
+            let (orbits, frozen) = (&self.orbits[side.index()], frozen[side.index()]);
+            Bits::of(orbits.len(), |k| orbits.cells(k).iter().any(|&i| frozen.has(i as usize)))
+        };
+        let kept = [of(Side::First)?, of(Side::Second)?];
+        for side in SIDES {
+            let (k, other) = (side.index(), side.other().index());
+            let taken = self.conflicts.neighbours(side, &kept[k])?;
+            let mut both = taken.clone();
+            both.intersect(&kept[other]);
+            if let Some(orbit) = both.iter().next() {
+                return Err(Error::InvalidArgument(format!(
+                    "frozen cell {} of part {} has an image that conflicts with one of a frozen cell of part {}",
+                    self.orbits[other].cells(orbit)[0],
+                    other + 1,
+                    k + 1
+                )));
+            }
+            folded[other].subtract(&taken);
         }
         Ok(folded)
     }
@@ -408,7 +435,7 @@ mod tests {
         for round in 0..1500 {
             let Case { maps, edges, conflicts } = symmetric_case(&mut random);
             let n = SIDES.map(|s| conflicts.n_cells(s));
-            let folded = Folded::new(&conflicts, &maps, 0.0, &Workers::caller_only()).unwrap();
+            let folded = Folded::new(&conflicts, &maps, 0.0, &Workers::caller_only(), &mut Progress::silent()).unwrap();
             // Weights of orbits alike in two of three rounds, and room for whole orbits.
             let most = [1, 3, 1000][round % 3];
             let alike = !round.is_multiple_of(3);
@@ -422,9 +449,10 @@ mod tests {
             });
             let room = [0, 1].map(|k| Bits::of(n[k], |i| folded.orbits[k].of[i] % 4 != 3).unwrap());
             let of = [&weights[0][..], &weights[1]];
-            let orbit_room = folded.room(&room, room.each_ref()).unwrap();
+            let none = n.map(|n| Bits::none(n).unwrap());
+            let orbit_room = folded.room(&room, none.each_ref()).unwrap();
             let silent = &mut Progress::silent();
-            let found = folded.cut(&room, room.each_ref(), of, silent).unwrap();
+            let found = folded.cut(&room, none.each_ref(), of, silent).unwrap();
             let pair = &found.pair;
             assert!(is_symmetric(&maps, pair));
             assert_eq!((pair.weigh(of).iter().sum::<u64>(), found.bound), (found.weight, found.weight));
@@ -461,7 +489,7 @@ mod tests {
 
             let options = FamilyOptions { gap: 0.0 };
             let gammas = [0.0, 0.3, 0.5, 0.8, 1.0];
-            for member in folded.family(&room, room.each_ref(), of, &gammas, &options, silent).unwrap() {
+            for member in folded.family(&room, none.each_ref(), of, &gammas, &options, silent).unwrap() {
                 assert!(is_symmetric(&maps, &member.pair));
                 assert_free_and_maximal(&edges, &room, &member.pair);
             }
@@ -482,12 +510,15 @@ mod tests {
             let Some(lost) = each.clone().find(moves) else { continue };
             let n = SIDES.map(|s| conflicts.n_cells(s));
             let less = Conflicts::of_edges(n, conflicts.rows_of(), |i, j| edges[i][j] && (i, j) != lost).unwrap();
-            let told = Folded::new(&less, &maps, 0.0, &Workers::caller_only()).unwrap_err().to_string();
+            let told = Folded::new(&less, &maps, 0.0, &Workers::caller_only(), &mut Progress::silent())
+                .unwrap_err()
+                .to_string();
             assert!(told.contains(&format!("images {} and {} do not", lost.0, lost.1)), "{told}");
             n_refused += 1;
             // With room for it, it counts as a conflict.
-            if let Ok(folded) = Folded::new(&less, &maps, 0.99, &Workers::caller_only()) {
-                let whole = Folded::new(&conflicts, &maps, 0.0, &Workers::caller_only()).unwrap();
+            if let Ok(folded) = Folded::new(&less, &maps, 0.99, &Workers::caller_only(), &mut Progress::silent()) {
+                let whole =
+                    Folded::new(&conflicts, &maps, 0.0, &Workers::caller_only(), &mut Progress::silent()).unwrap();
                 assert_eq!(table(folded.conflicts()), table(whole.conflicts()));
             }
         }
@@ -523,16 +554,33 @@ mod tests {
         let weights = [vec![1; n * n], vec![1; n * n]];
         for conflicts in [overlaps, centers] {
             let maps = [quarter.clone(), mirror.clone()];
-            let folded = Folded::new(&conflicts, &maps, 0.0, &workers).unwrap();
+            let folded = Folded::new(&conflicts, &maps, 0.0, &workers, silent).unwrap();
             let sizes = SIDES.map(|s| folded.conflicts().n_cells(s));
             // Eight cells an orbit, but for those on mirrors.
             assert_eq!(sizes, [n / 2 * (n / 2 + 1) / 2; 2]);
             let best = folded.cut(&room, pair.map(Part::frozen), [&weights[0], &weights[1]], silent).unwrap();
             let plain = cut(&conflicts, &room, [&weights[0], &weights[1]], silent).unwrap();
             assert_eq!((best.weight, best.pair), (plain.weight, plain.pair));
-            let told = Folded::new(&conflicts, &[of(QUARTER, QUARTER)], 0.0, &workers).unwrap_err().to_string();
+            let told = Folded::new(&conflicts, &[of(QUARTER, QUARTER)], 0.0, &workers, silent).unwrap_err().to_string();
             assert!(told.contains("map 0 does not carry"), "{told}");
         }
+    }
+
+    /// Images that are missed count as conflicts: beside frozen cells too.
+    #[test]
+    fn frozen_cells_stay_where_images_are_missed() {
+        let edges = [(1, 0), (2, 2), (3, 3)];
+        let conflicts = Conflicts::of_edges([4, 4], Side::First, |i, j| edges.contains(&(i, j))).unwrap();
+        let map = Symmetry::of_cells([vec![1, 0, 3, 2], vec![1, 0, 3, 2]]).unwrap();
+        let silent = &mut Progress::silent();
+        let folded = Folded::new(&conflicts, &[map], 0.5, &Workers::caller_only(), silent).unwrap();
+        let all = [Bits::all(4).unwrap(), Bits::all(4).unwrap()];
+        let (one, none) = (Bits::of(4, |i| i == 0).unwrap(), Bits::none(4).unwrap());
+        let found = folded.cut(&all, [&one, &none], [&[1; 4], &[10; 4]], silent).unwrap();
+        let cells = found.pair.cells.map(|set| set.iter().collect::<Vec<_>>());
+        assert_eq!(cells, [vec![0, 1], vec![2, 3]]);
+        let told = folded.cut(&all, [&one, &one], [&[1; 4], &[10; 4]], silent).unwrap_err().to_string();
+        assert!(told.contains("has an image that conflicts"), "{told}");
     }
 
     #[test]
@@ -545,8 +593,15 @@ mod tests {
         assert!(of([0.5, 1.0]).unwrap_err().to_string().contains("of part 2"));
         assert!(of([f64::NAN, 1.0]).is_err());
         let conflicts = Conflicts::of_edges([2, 1], Side::First, |_, _| true).unwrap();
-        let new =
-            |to, excess| Folded::new(&conflicts, &[Symmetry::of_cells(to).unwrap()], excess, &Workers::caller_only());
+        let new = |to, excess| {
+            Folded::new(
+                &conflicts,
+                &[Symmetry::of_cells(to).unwrap()],
+                excess,
+                &Workers::caller_only(),
+                &mut Progress::silent(),
+            )
+        };
         assert!(new([vec![0], vec![0]], 0.0).unwrap_err().to_string().contains("1 cells for part 1's 2"));
         assert!(new([vec![1, 0], vec![0]], 1.0).unwrap_err().to_string().contains("excess of edges is 1"));
         let folded = new([vec![1, 0], vec![0]], 0.0).unwrap();

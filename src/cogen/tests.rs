@@ -18,6 +18,7 @@ use crate::geometry::rigid::{Rigid, Twist};
 use crate::geometry::vec::{add, cross, dot, norm, sub};
 use crate::par::Workers;
 use crate::progress::Progress;
+use std::f64::consts::TAU;
 
 const SIDES: [Side; 2] = [Side::First, Side::Second];
 
@@ -43,7 +44,7 @@ pub(super) fn motion<const D: usize>(random: &mut SplitMix64) -> Motion<D> {
     match random.bits() % 4 {
         0 => Motion::fixed(),
         1 => along,
-        2 => along.times(&Motion::along(twist(random), Law::even(1.0)).unwrap()),
+        2 => along.times(&Motion::along(twist(random), Law::even(1.0)).unwrap()).unwrap(),
         _ => Motion::sampled((0..4).map(|k| along.at(f64::from(k) / 3.0)).collect()).unwrap(),
     }
 }
@@ -347,6 +348,28 @@ fn the_cut_is_the_best_of_all_pairs() {
             .max()
             .unwrap();
         assert_eq!((found.weight, found.bound), (best, best));
+    }
+}
+
+/// Where parts are alike it is told by their motions which of them is seen to move.
+#[test]
+fn ends_of_the_family_are_unsweeps_of_parts_that_are_alike() {
+    let grid = Grid::<2>::new([-0.43, -0.57], 0.1, [10, 10]).unwrap();
+    let part = Part::whole(grid).unwrap();
+    let turn = |slope: f64| Motion::turn([0.0, 0.0], Law::even(slope)).unwrap();
+    let beside = Motion::slide([1.0, 0.1], Law { offset: 1.0, ..Law::default() }).unwrap();
+    let motions = [turn(TAU), beside.times(&turn(-TAU)).unwrap()];
+    let (options, workers, silent) = (OverlapOptions::default(), Workers::caller_only(), &mut Progress::silent());
+    for [one, two] in [[0, 1], [1, 0]] {
+        let relative = Relative { from: motions[one].clone(), of: motions[two].clone() };
+        let conflicts = Conflicts::of_overlap([&part, &part], &relative, &options, silent).unwrap();
+        let room = [part.allowed().clone(), part.allowed().clone()];
+        for (side, relative) in [(Side::First, relative.clone()), (Side::Second, relative.reversed())] {
+            let whole = close(&conflicts, &room, side, &room[0]).unwrap();
+            let body = Body { grid, cells: part.allowed(), relative, rule: Rule::Avoid, clearance: 0.0 };
+            let left = unsweep(&part, &[body], options.sampling, &workers, silent).unwrap();
+            assert!(left.count() < 50 && left == whole.cells[side.other().index()]);
+        }
     }
 }
 

@@ -21,7 +21,7 @@ fn cam() -> ([Part<2>; 2], [Relative<2>; 2]) {
     let law = Law { offset: 0.5, slope: 0.0, waves: vec![Wave { amplitude: 0.1, cycles: 6.0, phase: 0.3 }] };
     let slide = Motion::slide([0.0, 1.0], law).unwrap();
     let still = Motion::sampled(vec![Rigid::IDENTITY; 2]).unwrap();
-    let [a, b] = [slide.clone(), slide.times(&still)].map(|of| Relative { from: turn.clone(), of });
+    let [a, b] = [slide.clone(), slide.times(&still).unwrap()].map(|of| Relative { from: turn.clone(), of });
     ([part(-0.31), part(-0.29)], [a, b])
 }
 

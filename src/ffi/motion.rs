@@ -1,11 +1,12 @@
 //! `ko_motion`, and laws.
 
 use super::guard::{guard, guard_free};
+use super::part::ko_part;
 use super::pointer::{
     Sized_, array, array_mut, create, create_all, free, object, object_or_none, place, read_sized, write_sized,
 };
 use crate::cogen::mechanism::{Bend, FourBar, gears};
-use crate::cogen::{Law, Motion, Wave};
+use crate::cogen::{Grid, Law, Motion, SpeedLimit, Wave};
 use crate::dimension::{OfDimension, differ, in_its_dimension, no_dim};
 use crate::error::try_with_capacity;
 use crate::geometry::rigid::Rigid;
@@ -236,24 +237,43 @@ unsafe fn sampled<const D: usize>(rotations: *const f64, translations: *const f6
 /// Makes the motion through `n_poses` poses that `pose` is asked for, in order, at even times from 0 to 1; between two of them it is the screw
 /// from one to the other, as in `ko_motion_sampled`.
 ///
-/// `dim` is 2 or 3. `data` is handed to `pose`, which is called during this call only. `*motion` is the caller's to free.
-/// Errors: those of `ko_motion_sampled`, and KO_ERR_INVALID_ARGUMENT where `pose` does not return 0, with the pose's number and time. Threads: any.
-/// Cost: the calls, and less than a microsecond a pose.
+/// `dim` is 2 or 3. `data` is handed to `pose`, which is called during this call only. `part` and `max_speed` tell a jump: from a pose to the next no
+/// point of the part's grid may go more than max_speed times the time between, in lengths by unit of t; NULL and 0: any way is taken for a fast
+/// move. `*motion` is the caller's to free; it does not refer to `part`.
+/// Errors: those of `ko_motion_sampled`, and KO_ERR_INVALID_ARGUMENT where `pose` does not return 0, with the pose's number and time, where the
+/// motion jumps, with the times, the way and what is allowed, for a max_speed below 0, and for one without a part. Threads: any. Cost: the calls,
+/// and less than a microsecond a pose.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_motion_from_function(
     dim: u32,
     pose: ko_pose_function,
     data: *mut c_void,
     n_poses: usize,
+    part: *const ko_part,
+    max_speed: f64,
     motion: *mut *mut ko_motion,
 ) -> i32 {
     guard(|| {
         let make = || {
+            // SAFETY: the header asks for NULL or a part.
+            let part = unsafe { object_or_none(part, "part") }?;
+            if part.is_none() && max_speed != 0.0 {
+                let text =
+                    format!("max_speed is {} and part is NULL; points of a part have a speed", number(max_speed));
+                return Err(Error::InvalidArgument(text));
+            }
+            let differs = |part: &ko_part| differ(&[("the motion", dim), ("part", part.0.dim())]);
             Ok(ko_motion(match dim {
-                // SAFETY: the header asks for a function that may be called with `data`.
-                2 => OfDimension::Plane(unsafe { from_function(pose, data, n_poses) }?),
-                // SAFETY: as above.
-                3 => OfDimension::Space(unsafe { from_function(pose, data, n_poses) }?),
+                2 => {
+                    let grid = part.map(|p| p.0.plane().map(|p| *p.grid()).ok_or_else(|| differs(p))).transpose()?;
+                    // SAFETY: the header asks for a function that may be called with `data`.
+                    OfDimension::Plane(unsafe { from_function(pose, data, n_poses, grid, max_speed) }?)
+                }
+                3 => {
+                    let grid = part.map(|p| p.0.space().map(|p| *p.grid()).ok_or_else(|| differs(p))).transpose()?;
+                    // SAFETY: as above.
+                    OfDimension::Space(unsafe { from_function(pose, data, n_poses, grid, max_speed) }?)
+                }
                 _ => return Err(no_dim(dim)),
             }))
         };
@@ -264,22 +284,25 @@ pub unsafe extern "C" fn ko_motion_from_function(
 
 /// # Safety
 /// `pose` may be called with `data`.
-unsafe fn from_function<const D: usize>(pose: ko_pose_function, data: *mut c_void, n: usize) -> Result<Motion<D>> {
+unsafe fn from_function<const D: usize>(
+    pose: ko_pose_function,
+    data: *mut c_void,
+    n: usize,
+    grid: Option<Grid<D>>,
+    speed: f64,
+) -> Result<Motion<D>> {
     let Some(pose) = pose else { return Err(Error::InvalidArgument("pose is NULL; it is required".into())) };
-    let mut poses = try_with_capacity(n, "the motion's poses")?;
-    for k in 0..n {
-        let time = if n > 1 { k as f64 / (n - 1) as f64 } else { 0.0 };
+    let limit = grid.map(|grid| SpeedLimit { grid, speed });
+    Motion::of_function(n, limit, |time| {
         // What is not written is told.
         let (mut turn, mut shift) = ([[f64::NAN; D]; D], [f64::NAN; D]);
         // SAFETY: the caller's promise.
         let status = unsafe { pose(time, turn.as_flattened_mut().as_mut_ptr(), shift.as_mut_ptr(), data) };
-        let place = format!("pose {k}, at time {}", number(time));
         if status != 0 {
-            return Err(Error::InvalidArgument(format!("{place}: the function returned {status}; 0 is a success")));
+            return Err(Error::InvalidArgument(format!("the function returned {status}; 0 is a success")));
         }
-        poses.push(Rigid::new(turn, shift).map_err(|error| at(&place, error))?);
-    }
-    Motion::sampled(poses)
+        Rigid::new(turn, shift)
+    })
 }
 
 /// Makes the motions of two wheels that turn against each other, as gears do, about `centers` [4], x y of the first and of the second: the first
@@ -353,7 +376,7 @@ pub unsafe extern "C" fn ko_motion_four_bar(
 /// Makes the product of two motions, tau(t) = `outer`(t) `inner`(t): what `inner` does is seen from what `outer` moves.
 ///
 /// A follower on a rocker, say, or a part's first pose before its motion. `*motion` is the caller's to free; it does not refer to the handles.
-/// Errors: KO_ERR_INVALID_ARGUMENT for motions of different dimensions. Threads: any. Cost: none.
+/// Errors: KO_ERR_INVALID_ARGUMENT for motions of different dimensions, and for a product of more than 1000 motions in all. Threads: any. Cost: none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ko_motion_product(
     outer: *const ko_motion,
@@ -365,8 +388,8 @@ pub unsafe extern "C" fn ko_motion_product(
             // SAFETY: the header asks for motions.
             let (ko_motion(outer), ko_motion(inner)) = unsafe { (object(outer, "outer")?, object(inner, "inner")?) };
             Ok(ko_motion(match (outer, inner) {
-                (OfDimension::Plane(outer), OfDimension::Plane(inner)) => OfDimension::Plane(outer.times(inner)),
-                (OfDimension::Space(outer), OfDimension::Space(inner)) => OfDimension::Space(outer.times(inner)),
+                (OfDimension::Plane(outer), OfDimension::Plane(inner)) => OfDimension::Plane(outer.times(inner)?),
+                (OfDimension::Space(outer), OfDimension::Space(inner)) => OfDimension::Space(outer.times(inner)?),
                 _ => return Err(differ(&[("outer", outer.dim()), ("inner", inner.dim())])),
             }))
         };

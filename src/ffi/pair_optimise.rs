@@ -19,7 +19,8 @@ use crate::progress::Progress;
 pub struct ko_optimise_report {
     /// sizeof(ko_optimise_report) as the caller knows it.
     pub struct_size: usize,
-    /// gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells.
+    /// gamma of the closed pair, as `ko_pair_volumes` tells: NaN where nothing is left of the colliding cells. Colliding by the conflict graph, while
+    /// the optimisation's own gamma, and its history, are of the cells that collide by the measure.
     pub gamma: f64,
     /// Areas or volumes of what is left of the colliding cells of part 1 and 2 in the closed pair.
     pub volumes: [f64; 2],
@@ -29,7 +30,7 @@ pub struct ko_optimise_report {
     pub change: f64,
     /// Iterations.
     pub n_iterations: u32,
-    /// 1: the last change is below the tolerance. 0: KO_BUDGET_REACHED.
+    /// 1: the last change is below the tolerance, and the constraints hold within `feasibility`. 0: KO_BUDGET_REACHED.
     pub converged: i32,
 }
 
@@ -89,7 +90,7 @@ pub unsafe extern "C" fn ko_pair_optimise(
             let frozen = pair.frozen();
             let design = Design { correlation: pair.correlation()?, conflicts, room, frozen };
             let found = optimise(&design, &own, &workers, &mut Progress::new(&mut told))?;
-            let told = told_of(&found, pair.volumes(found.pair.cells.each_ref())?);
+            let told = told_of(&found, pair.volumes(&found.pair)?);
             // SAFETY: the header asks for a struct of this size.
             unsafe { write_sized(report, report_size, told, "report") }?;
             put_pair(&found.pair, outs);

@@ -9,9 +9,10 @@ use crate::cogen::{
     Symmetry,
 };
 use crate::error::try_with_capacity;
-use crate::geometry::matrix::{Matrix, applied};
-use crate::geometry::vec::{add, number};
+use crate::geometry::matrix::{Affine, matrix};
+use crate::geometry::vec::number;
 use crate::par::Workers;
+use crate::progress::Progress;
 use crate::{Error, Result};
 use std::ffi::c_void;
 
@@ -206,20 +207,6 @@ pub unsafe extern "C" fn ko_persistence_options_init(options: *mut ko_persistenc
     })
 }
 
-/// A map of a part's frame as C hands it over.
-#[derive(Clone, Copy)]
-#[repr(C)]
-struct Affine<const D: usize> {
-    matrix: Matrix<D>,
-    vector: [f64; D],
-}
-
-impl<const D: usize> Affine<D> {
-    fn apply(&self, p: [f64; D]) -> [f64; D] {
-        add(applied(&self.matrix, p), self.vector)
-    }
-}
-
 /// What the graph is of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wanted {
@@ -339,19 +326,26 @@ impl ko_family_options {
         &self,
         grids: [&Grid<D>; 2],
         conflicts: &Conflicts,
+        progress: &mut Progress<'_>,
     ) -> Result<Option<Folded>> {
         check_reserved(self.reserved)?;
         if self.n_symmetries == 0 {
             return Ok(None);
         }
         // SAFETY: the caller's promise.
-        let maps = unsafe { array(self.symmetries.cast::<[Affine<D>; 2]>(), self.n_symmetries, "symmetries") }?;
-        let mut all = try_with_capacity(maps.len(), "symmetries")?;
-        for (m, [one, two]) in maps.iter().enumerate() {
+        let maps = unsafe { array(self.symmetries, self.n_symmetries.saturating_mul(2 * D * (D + 1)), "symmetries") }?;
+        let affine = |m: usize| {
+            let (linear, shift) = maps[m * D * (D + 1)..].split_at(D * D);
+            Affine { linear: matrix(|a, b| linear[D * a + b]), shift: std::array::from_fn(|a| shift[a]) }
+        };
+        let mut all = try_with_capacity(self.n_symmetries, "symmetries")?;
+        for m in 0..self.n_symmetries {
+            let (one, two): (Affine<D>, Affine<D>) = (affine(2 * m), affine(2 * m + 1));
             let made = Symmetry::of_points(grids, [&|p| one.apply(p), &|p| two.apply(p)]);
             all.push(made.map_err(|error| at(&format!("symmetry {m}"), error))?);
         }
-        Folded::new(conflicts, &all, self.symmetry_excess, &Workers::new(self.n_threads)?).map(Some)
+        let workers = Workers::new(self.n_threads)?;
+        progress.part(0.0, 0.2, |part| Folded::new(conflicts, &all, self.symmetry_excess, &workers, part)).map(Some)
     }
 }
 

@@ -21,13 +21,9 @@ impl<const D: usize> Coupled<D> {
     }
 
     /// Areas or volumes of what is left of both parts' colliding cells, and gamma.
-    pub(super) fn volumes(&self, sets: [&Bits; 2]) -> Result<([f64; 2], f64)> {
-        let colliding = &self.graph()?.colliding;
-        let volumes = [0, 1].map(|k| {
-            let mut left = sets[k].clone();
-            left.intersect(&colliding[k]);
-            left.count() as f64 * self.parts[k].grid().measure()
-        });
+    pub(super) fn volumes(&self, pair: &Pair) -> Result<([f64; 2], f64)> {
+        let counts = pair.count_some(&self.graph()?.colliding);
+        let volumes = [0, 1].map(|k| counts[k] as f64 * self.parts[k].grid().measure());
         Ok((volumes, volumes[1] / (volumes[0] + volumes[1])))
     }
 
@@ -86,9 +82,10 @@ pub unsafe extern "C" fn ko_pair_volumes(
         check_wanted_place(n_lost, "n_lost")?;
         in_its_dimension!(pair, pair => {
             pair.check(n_1, n_2)?;
-            let (found, reached) = pair.volumes([&one, &two])?;
-            let mut lost = pair.graph()?.conflicts.neighbours(Side::First, &one)?;
-            lost.intersect(&two);
+            let sets = Pair { cells: [one, two] };
+            let (found, reached) = pair.volumes(&sets)?;
+            let mut lost = pair.graph()?.conflicts.neighbours(Side::First, &sets.cells[0])?;
+            lost.intersect(&sets.cells[1]);
             if let Some(to) = to {
                 to.copy_from_slice(&found);
             }
@@ -139,7 +136,7 @@ pub unsafe extern "C" fn ko_pair_close(
             pair.check(n_1, n_2)?;
             let sets = [read(set_1, n_1, "set_1", Side::First)?, read(set_2, n_2, "set_2", Side::Second)?];
             let closed = pair.closed(sets.each_ref(), from)?;
-            let (_, reached) = pair.volumes(closed.cells.each_ref())?;
+            let (_, reached) = pair.volumes(&closed)?;
             put_pair(&closed, outs);
             // SAFETY: the header asks for NULL or a place to write.
             unsafe { tell(gamma, reached) }
@@ -194,11 +191,11 @@ pub unsafe extern "C" fn ko_pair_cut(
             let weights = pair.weights(given, MOST_OF_CUT)?;
             let progress = &mut Progress::new(&mut told);
             // SAFETY: the header asks for initialised options, with as many symmetries as they say.
-            let found = match unsafe { options.folded(pair.grids(), conflicts) }? {
+            let found = match unsafe { options.folded(pair.grids(), conflicts, progress) }? {
                 Some(folded) => folded.cut(room, pair.frozen(), weights.units(), progress)?,
                 None => cut(conflicts, room, weights.units(), progress)?,
             };
-            let reached = pair.volumes(found.pair.cells.each_ref())?.1;
+            let reached = pair.volumes(&found.pair)?.1;
             let [own, most] = [found.weight, found.bound].map(|w| w as f64 * weights.unit());
             put_pair(&found.pair, outs);
             // SAFETY: the header asks for NULL or places to write.
@@ -265,7 +262,7 @@ pub unsafe extern "C" fn ko_pair_family(
             let (weights, own) = (pair.weights(given, MOST_OF_FAMILY)?, options.to_family_options());
             let progress = &mut Progress::new(&mut told);
             // SAFETY: the header asks for initialised options, with as many symmetries as they say.
-            let found = match unsafe { options.folded(pair.grids(), conflicts) }? {
+            let found = match unsafe { options.folded(pair.grids(), conflicts, progress) }? {
                 Some(folded) => folded.family(room, pair.frozen(), weights.units(), gammas, &own, progress)?,
                 None => family(conflicts, room, weights.units(), gammas, &own, progress)?,
             };

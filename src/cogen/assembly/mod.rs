@@ -72,7 +72,7 @@ pub struct Arrangement {
 impl Assembly {
     /// Conflicts of all pairs of `parts`, which move by `motions`: see [`Conflicts::of_overlap`]. Pairs whose swept boxes never meet have none.
     ///
-    /// `max_bytes` holds for the graphs of pairs and of all together. The error tells of frozen cells that collide, and when and where.
+    /// `max_bytes` holds for the graphs of pairs and for that of all beside them. The error tells of frozen cells that collide, and when and where.
     pub fn of_overlap<const D: usize>(
         parts: &[&Part<D>],
         motions: &[Motion<D>],
@@ -101,7 +101,10 @@ impl Assembly {
             graphs.push(([i, j], graph));
         }
         let workers = Workers::new(options.n_threads)?;
-        progress.part(0.9, 1.0, |part| Assembly::of_graphs(&n_cells, &graphs, options.max_bytes, &workers, part))
+        // Beside the graphs of pairs, until it is made.
+        let taken: u64 = graphs.iter().map(|(_, graph)| graph.bytes() as u64).sum();
+        let most = options.max_bytes.saturating_sub(taken);
+        progress.part(0.9, 1.0, |part| Assembly::of_graphs(&n_cells, &graphs, most, &workers, part))
     }
 
     /// The assembly of parts of as many cells, with the graphs of pairs i < j of them, part i being the graph's first; without one, parts never
@@ -157,7 +160,7 @@ impl Assembly {
                     })
                 })?;
             }
-            Ok(block)
+            Ok(block.settled())
         };
         each_block(n_all, workers, progress, "the assembly's graph", make, |block| {
             room.take(block.bytes())?;
