@@ -144,6 +144,21 @@ static void check_explicit(const double *points) {
     ko_cloud_free(cloud);
 }
 
+/* So are motions, products of them too. */
+static void check_motions(void) {
+    const double center[2] = {1.0, 2.0}, times[3] = {0.0, 0.4, 1.0};
+    ko_law law;
+    OK(ko_law_init(&law, sizeof law));
+    law.slope = 3.0;
+    ko_motion *turn = NULL, *product = NULL;
+    OK(ko_motion_turn(center, &law, &turn));
+    CHECK(COUNTED(ko_motion_product(turn, turn, &product)) > 0);
+    double rotations[12], translations[6];
+    CHECK(COUNTED(ko_motion_eval(product, times, 3, rotations, translations)) == 0);
+    ko_motion_free(turn);
+    ko_motion_free(product);
+}
+
 int main(void) {
     ko_field *field = check_sphere_field(8), *plane = check_circle_field(8);
     double *inside = check_points(N, 0.9, 1), *outside = check_points(N, 5.0, 2);
@@ -153,6 +168,7 @@ int main(void) {
     check_constraints(2);
     check_constraints(3);
     check_explicit(outside);
+    check_motions();
 
     /* The counter counts: these calls do allocate. */
     ko_mesh *mesh = NULL;

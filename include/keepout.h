@@ -3065,7 +3065,8 @@ int32_t ko_pair_close(const struct ko_pair *pair,
  * which is the proof. Either may be NULL. Weights that are multiples of a common unit, down to 1/64 of the smallest, are taken as they are;
  * others are rounded up to multiples of 2^-40 of their sum. `*gamma`, which may be NULL, is what the pair reached, by volume, as
  * `ko_pair_volumes` tells. Of several best pairs it is always the same.
- * `options` NULL: the defaults; `gap` does not count. With symmetries it is the best of the pairs that all maps carry onto themselves.
+ * `options` NULL: the defaults; `gap` does not count. With symmetries it is the best of the pairs that all maps carry onto themselves; the graph is
+ * folded by them anew in each call, by a pass over its edges for each map, and in the memory of a graph of orbits.
  * Errors: KO_ERR_INVALID_ARGUMENT for a pair without conflict graph, another number of cells, a weight that is below 0 or not finite, naming
  * the first, a map that carries a cell onto none or a conflict onto none, naming them, and a frozen cell onto one that its part may not have; KO_ERR_OUT_OF_MEMORY, KO_ERR_CANCELLED. Threads: any number at once; the call takes one; `progress` is called on it. Cost: some
  * seconds for 160,000 cells a part and 2 10^7 edges, two gears; a few numbers a cell and a flow between two.

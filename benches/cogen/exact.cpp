@@ -142,6 +142,7 @@ void closures(Uniform &uniform) {
     }
     print_count("exact_closures_and_unsweeps", CLOSURES);
     print_count("exact_closures_of_parts_that_meet", with_edges);
+    if (with_edges == 0) throw std::runtime_error("no parts meet: closures are of nothing");
 }
 
 // Weights that are whole numbers, so that sums are exact.

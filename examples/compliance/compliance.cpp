@@ -54,7 +54,7 @@ bool is_pin(std::size_t column, std::size_t row) {
     return from_side >= 3 && from_side < 6 && row >= 5 && row < 8;
 }
 
-// Whether the cell is part of what is to be designed.
+// The cam, or the follower with its pins.
 Part make_part(int which) {
     const std::size_t counts[2] = {n, rows[which]};
     Cells cells(n_cells(which), KO_CELL_FREE);
