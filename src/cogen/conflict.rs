@@ -126,7 +126,8 @@ impl Conflicts {
         Conflicts::of_rows(n_cells, rows_of, row, Limit::none(), &workers, silent)
     }
 
-    /// The graph whose rows `row`(i, mark) marks, cell by cell, in any order and more than once. `row` is gone before the columns are made.
+    /// The graph whose rows `row`(i, mark) marks, cell by cell, in any order and more than once. `row` is gone before the columns are made. What
+    /// would pass the limit is refused before it is made, from a sample of the rows.
     pub(super) fn of_rows(
         n_cells: [usize; 2],
         rows_of: Side,
@@ -145,10 +146,16 @@ impl Conflicts {
             }
             Ok(block.settled())
         };
+        let sample = Estimate::of(&Bits::all(n_rows)?, workers, |i| Ok(make(i..i + 1)?.bytes_of_runs()))?;
+        // Columns take about what rows do.
+        if let Some(both) = sample.map(|rows| rows.plus(&rows).and(4.0 * (n_rows + n) as f64))
+            && limit.is_passed_by(&both)
+        {
+            return Err(limit.refusal(both.bytes(), None));
+        }
         let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "the conflict graph")?;
         let mut room = Room::new(limit, n_rows);
         each_block(n_rows, workers, progress, "conflicts", make, |block| {
-            // Columns take about what rows do.
             room.take(2 * block.bytes())?;
             blocks.push(block);
             Ok(())

@@ -12,15 +12,41 @@
 use super::bits::Bits;
 use super::conflict::{Conflicts, Side};
 use super::foresight::{Estimate, Limit};
+use super::grid::Grid;
+use super::motion::gcd;
 use super::parcels::BLOCK;
 use super::part::Part;
+use super::pitch::{Turns, Wide};
 use super::steps::{Relative, Step};
 use super::trajectory::Trajectories;
 use crate::error::try_vec;
-use crate::geometry::vec::number;
+use crate::geometry::vec::{number, scale};
 use crate::par::Workers;
 use crate::progress::Progress;
 use crate::{Error, Result};
+
+/// Where the centres of part 1 are looked for, and those of part 2, and in how many turns that are alike.
+fn wide<const D: usize>(
+    parts: [&Part<D>; 2],
+    [there, back]: [&Relative<D>; 2],
+    n_steps: usize,
+) -> Result<([Wide<D>; 2], usize)> {
+    let turns = |seen: &Relative<D>, still: &Part<D>| {
+        let (n, slide) = seen.turns()?;
+        // With as many steps each.
+        let same = gcd(n_steps as u64, n);
+        (same > 1).then_some(())?;
+        Turns::of(same as usize, scale((n / same) as f64, slide), still.grid())
+    };
+    let alike = turns(there, parts[1]).zip(turns(back, parts[0])).filter(|(one, two)| one.n == two.n);
+    if let Some((one, two)) = alike
+        && let (Some(first), Some(second)) = (Wide::new(parts[1], one)?, Wide::new(parts[0], two)?)
+    {
+        return Ok(([first, second], one.n));
+    }
+    let whole = |part| Wide::new(part, Turns::ONE).map(|wide| wide.expect("one turn takes no table"));
+    Ok(([whole(parts[1])?, whole(parts[0])?], 1))
+}
 
 /// Rows are added to partial sums by as many parts of them, whatever the number of threads.
 const PARTS: usize = 8;
@@ -31,11 +57,10 @@ pub struct Correlation<const D: usize> {
     /// Of part 1's centres in part 2's cells, n_21 by rows; of part 2's in part 1's, n_12 by columns.
     of: [Trajectories<D>; 2],
     allowed: [Bits; 2],
-    /// eps^D of each part.
-    measures: [f64; 2],
+    grids: [Grid<D>; 2],
     n_steps: usize,
-    /// Steps of a period: those that are looked at.
-    n_in_period: usize,
+    /// Steps that visits are counted over: those of a period, or all.
+    n_looked_at: usize,
 }
 
 /// How both parts collide as a whole: (29) and (30).
@@ -59,13 +84,18 @@ impl<const D: usize> Correlation<D> {
         workers: &Workers,
         progress: &mut Progress<'_>,
     ) -> Result<Self> {
-        let there = relative.reversed().even_steps_of_period(n_steps)?;
-        let back = relative.even_steps_of_period(n_steps)?;
+        let [there, back] = [relative.reversed(), relative.clone()];
+        let (wide, n_turns) = wide(parts, [&there, &back], n_steps)?;
+        let steps = |seen: &Relative<D>| match n_turns {
+            1 => seen.even_steps_of_period(n_steps),
+            n => seen.first_even_steps(n_steps, n_steps / n),
+        };
+        let (there, back) = (steps(&there)?, steps(&back)?);
         // Half as large cells are 2^D as many, of which each visits twice as many if steps are not too few for that.
         let limit = Limit::new("the trajectories", max_bytes, parts.map(Part::grid), D);
         let estimate = |there: &[Step<D>], back: &[Step<D>]| -> Result<Estimate> {
-            let first = Trajectories::estimate(there, parts[1], parts[0], workers)?;
-            Ok(first.plus(&Trajectories::estimate(back, parts[0], parts[1], workers)?))
+            let first = Trajectories::estimate(there, &wide[0], parts[0], workers)?;
+            Ok(first.plus(&Trajectories::estimate(back, &wide[1], parts[1], workers)?))
         };
         let foreseen = estimate(&there, &back)?;
         if limit.is_passed_by(&foreseen) {
@@ -78,15 +108,16 @@ impl<const D: usize> Correlation<D> {
             let fitting = if n > 1 { Some(n * n_steps / there.len()) } else { None };
             return Err(limit.refusal(foreseen.bytes(), fitting));
         }
+        let [of_second, of_first] = wide;
         let first =
-            progress.part(0.0, 0.5, |part| Trajectories::new(&there, parts[1], parts[0], limit, workers, part))?;
+            progress.part(0.0, 0.5, |part| Trajectories::new(&there, of_second, parts[0], limit, workers, part))?;
         let left = max_bytes.saturating_sub(first.bytes() as u64);
         let limit = Limit::new("the trajectories", left, parts.map(Part::grid), D);
         let second =
-            progress.part(0.5, 1.0, |part| Trajectories::new(&back, parts[0], parts[1], limit, workers, part))?;
-        let measures = parts.map(|p| p.grid().measure());
+            progress.part(0.5, 1.0, |part| Trajectories::new(&back, of_first, parts[1], limit, workers, part))?;
         let allowed = parts.map(|p| p.allowed().clone());
-        Ok(Correlation { of: [first, second], allowed, measures, n_steps, n_in_period: there.len() })
+        let grids = parts.map(|p| *p.grid());
+        Ok(Correlation { of: [first, second], allowed, grids, n_steps, n_looked_at: n_turns * there.len() })
     }
 
     /// K
@@ -94,7 +125,7 @@ impl<const D: usize> Correlation<D> {
         self.n_steps
     }
 
-    /// Visits of both parts' centres, in one period.
+    /// Visits of both parts' centres that are stored, of one period or turn.
     pub fn n_visits(&self) -> usize {
         self.of.iter().map(Trajectories::n_visits).sum()
     }
@@ -111,7 +142,7 @@ impl<const D: usize> Correlation<D> {
 
     /// eps^D of a part.
     pub fn measure(&self, side: Side) -> f64 {
-        self.measures[side.index()]
+        self.grids[side.index()].measure()
     }
 
     /// Refuses densities `[n_1]`, `[n_2]` that are none: outside [0, 1], or not 0 where a part may not be.
@@ -145,7 +176,7 @@ impl<const D: usize> Correlation<D> {
     /// Panics where `density` is not as long as the other part's cells are many, or `out` as those of this.
     pub fn local(&self, side: Side, density: &[f64], out: &mut [f64], workers: &Workers) {
         assert_eq!((density.len(), out.len()), (self.n_cells(side.other()), self.n_cells(side)), "a number a cell");
-        let (of, share) = (&self.of[side.index()], 1.0 / self.n_in_period as f64);
+        let (of, share) = (&self.of[side.index()], 1.0 / self.n_looked_at as f64);
         workers.for_each(out.chunks_mut(BLOCK).enumerate(), |(block, out)| {
             for (k, sum) in out.iter_mut().enumerate() {
                 let mut total = 0.0;
@@ -158,7 +189,7 @@ impl<const D: usize> Correlation<D> {
     /// For each cell of the other part, how much of part `side`, of `density`, passes through it: the sum of densities, times the fraction
     /// of the motion that their centres are in it. Into `out`.
     fn spread(&self, side: Side, density: &[f64], out: &mut [f64], workers: &Workers) -> Result<()> {
-        let (of, share) = (&self.of[side.index()], 1.0 / self.n_in_period as f64);
+        let (of, share) = (&self.of[side.index()], 1.0 / self.n_looked_at as f64);
         let rows = of.n_rows().div_ceil(PARTS).max(1);
         let sums = workers.map(PARTS, |part| -> Result<Vec<f64>> {
             let mut sum = try_vec(out.len(), 0.0, "partial sums of a collision measure")?;
@@ -181,7 +212,7 @@ impl<const D: usize> Correlation<D> {
             let k = side.index();
             let mut local = try_vec(densities[k].len(), 0.0, "local collision measures")?;
             self.local(side, densities[1 - k], &mut local, workers);
-            Ok(self.measures[k] * local.iter().zip(densities[k]).map(|(l, rho)| l * rho).sum::<f64>())
+            Ok(self.grids[k].measure() * local.iter().zip(densities[k]).map(|(l, rho)| l * rho).sum::<f64>())
         };
         Ok(Measures { g21: of(Side::Second)?, g12: of(Side::First)? })
     }
@@ -205,25 +236,27 @@ impl<const D: usize> Correlation<D> {
         self.local(Side::First, densities[1], d12_d1, workers);
         self.spread(Side::First, densities[0], d12_d2, workers)?;
         for (out, measure) in [(d21_d1, 1), (d21_d2, 1), (d12_d1, 0), (d12_d2, 0)] {
-            out.iter_mut().for_each(|x| *x *= self.measures[measure]);
+            out.iter_mut().for_each(|x| *x *= self.grids[measure].measure());
         }
         Ok(())
     }
 
     /// The conflict graph of the paper's measure: an edge wherever w^12 or w^21 is not 0. Cells whose centres do not meet at the sampled times
-    /// may still overlap: see [`Conflicts::of_overlap`]. The error tells of a graph that takes more than `max_bytes` while it is made.
+    /// may still overlap: see [`Conflicts::of_overlap`]. The error tells of a graph that would take more than `max_bytes`, and
+    /// what cells would fit: before it is made, from a sample of its rows.
     pub fn conflicts(&self, max_bytes: u64, workers: &Workers, progress: &mut Progress<'_>) -> Result<Conflicts> {
         let n = self.allowed.each_ref().map(Bits::len);
         let rows_of = if self.allowed[1].count() < self.allowed[0].count() { Side::Second } else { Side::First };
         let (own, other) = (&self.of[rows_of.index()], &self.of[rows_of.other().index()]);
         // The other's visits, by the cells that are visited.
         let n_rows = n[rows_of.index()];
-        let limit = Limit::of("the conflict graph", max_bytes);
-        let by_visits = 16 * n_rows as u64 + 4 * other.n_visits() as u64;
-        let left = max_bytes.checked_sub(by_visits).ok_or_else(|| limit.refusal(by_visits as f64, None))?;
         let mut ends: Vec<u64> = try_vec(n_rows + 1, 0, "the conflict graph")?;
         (0..other.n_rows()).for_each(|j| other.each(j, |cell, _| ends[cell + 1] += 1));
         (0..n_rows).for_each(|i| ends[i + 1] += ends[i]);
+        // Half as large cells are 2^D as many, each with twice as many runs.
+        let limit = |most| Limit::new("the conflict graph", most, self.grids.each_ref(), D + 1);
+        let by_visits = 16 * n_rows as u64 + 4 * ends[n_rows];
+        let left = max_bytes.checked_sub(by_visits).ok_or_else(|| limit(max_bytes).refusal(by_visits as f64, None))?;
         let mut visitors: Vec<u32> = try_vec(ends[n_rows] as usize, 0, "the conflict graph")?;
         let mut at = ends.clone();
         for j in 0..other.n_rows() {
@@ -237,7 +270,7 @@ impl<const D: usize> Correlation<D> {
             visitors[ends[i] as usize..ends[i + 1] as usize].iter().for_each(|&j| mark(j as usize));
         };
         drop(at);
-        Conflicts::of_rows(n, rows_of, row, Limit::of("the conflict graph", left), workers, progress)
+        Conflicts::of_rows(n, rows_of, row, limit(left), workers, progress)
     }
 
     /// (33) and (34): the cells of each part that collide with the other's cells as both may have them. One direction misses cells; this is

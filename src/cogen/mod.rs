@@ -8,7 +8,7 @@
 //! | motions, (3), (4); of gears and linkages; relative motion, (8), (9) | [`motion`]; [`mechanism`]; [`steps`] |
 //! | sweep and unsweep, (1), (2), (23), (24) | [`mod@sweep`] |
 //! | cells, (A.2); densities, (A.3) | [`grid`], [`part`]; [`fraction`] |
-//! | correlation weights, (A.14) to (A.17) | `trajectory` |
+//! | correlation weights, (A.14) to (A.17) | `trajectory`; of screws `pitch` |
 //! | measures, (12) to (15) and (27) to (30); sensitivities, (31), (32) | [`correlation`] |
 //! | topological sensitivities, appendix B | [`topological`] |
 //! | initially colliding subdomains, (33) to (36) | [`Correlation::colliding`] |
@@ -59,6 +59,7 @@ pub mod optimise;
 mod parcels;
 pub mod part;
 pub mod persistent;
+mod pitch;
 mod proximal;
 mod relax;
 mod rows;

@@ -7,6 +7,7 @@
 //! point P has the velocity u(t) + W(t) (P - o), |W| <= turn, |W'| <= turn_rate, |u| <= drift, |u'| <= drift_rate.
 
 use crate::error::try_with_capacity;
+use crate::geometry::matrix::applied;
 use crate::geometry::rigid::{Rigid, Twist};
 use crate::geometry::vec::{add, is_finite, norm, number, scale, sub};
 use crate::{Error, Result};
@@ -252,6 +253,22 @@ impl<const D: usize> Motion<D> {
             Kind::Sampled(..) => 1,
             Kind::Product(a, b) => gcd(a.n_periods(), b.n_periods()),
             Kind::Inverse(a) => a.n_periods(),
+        }
+    }
+
+    /// Where the motion is a screw that slides while it turns evenly, whole turns n times: tau(t + 1 / n) is tau(t) moved on by a vector of the world.
+    pub(super) fn turns(&self) -> Option<(u64, [f64; D])> {
+        match &*self.kind {
+            Kind::Along(twist, law) if law.waves.iter().all(|w| w.amplitude == 0.0) => {
+                let n = whole(law.slope.abs() * twist.rate() / TAU).filter(|n| *n > 1)?;
+                Some((n, twist.scaled(law.slope / n as f64).exp().shift))
+            }
+            Kind::Product(a, b) => match (&*a.kind, &*b.kind) {
+                (Kind::Fixed(pose), _) => b.turns().map(|(n, slide)| (n, applied(&pose.turn, slide))),
+                (_, Kind::Fixed(_)) => a.turns(),
+                _ => None,
+            },
+            _ => None,
         }
     }
 

@@ -12,8 +12,9 @@
 use super::grid::Grid;
 use super::motion::{Motion, RateBound, gcd};
 use crate::error::{try_reserve, try_with_capacity};
+use crate::geometry::matrix::applied_transposed;
 use crate::geometry::rigid::{Rigid, Twist};
-use crate::geometry::vec::{norm, number, sub};
+use crate::geometry::vec::{norm, number, scale, sub};
 use crate::{Error, Result};
 use std::cmp::Ordering;
 
@@ -89,18 +90,25 @@ impl<const D: usize> Relative<D> {
         gcd(self.from.n_periods(), self.of.n_periods()).clamp(1, 1 << 30) as usize
     }
 
+    /// Where one part stays and the other is screwed by whole turns, n of them: how many, and by how much the moving part is farther after each, in
+    /// the frame that one looks from.
+    pub(super) fn turns(&self) -> Option<(u64, [f64; D])> {
+        let looked_from = self.from.at(0.0).turn;
+        match (self.from.n_periods(), self.of.n_periods()) {
+            (0, _) => self.of.turns().map(|(n, slide)| (n, applied_transposed(&looked_from, slide))),
+            // The axis stays where it is in the part's own frame.
+            (_, 0) => self.from.turns().map(|(n, slide)| (n, scale(-1.0, applied_transposed(&looked_from, slide)))),
+            _ => None,
+        }
+    }
+
     /// Those of `n` even steps that lie in the first of as many equal pieces of the motion as all have the same steps.
     pub fn even_steps_of_period(&self, n: usize) -> Result<Vec<Step<D>>> {
         self.first_even_steps(n, n / gcd(n as u64, self.n_periods() as u64).max(1) as usize)
     }
 
-    /// `n` even steps, the paper's t_k = (k + 1/2) / K, without bounds.
-    pub fn even_steps(&self, n: usize) -> Result<Vec<Step<D>>> {
-        self.first_even_steps(n, n)
-    }
-
-    /// The first `some` of them.
-    fn first_even_steps(&self, n: usize, some: usize) -> Result<Vec<Step<D>>> {
+    /// The first `some` of `n` even steps, the paper's t_k = (k + 1/2) / K, without bounds.
+    pub(super) fn first_even_steps(&self, n: usize, some: usize) -> Result<Vec<Step<D>>> {
         if n == 0 || n > MOST_STEPS {
             return Err(Error::InvalidArgument(format!("{n} steps of time; it must be 1 to {MOST_STEPS}")));
         }
@@ -335,11 +343,11 @@ mod tests {
 
     #[test]
     fn even_steps_are_the_papers() {
-        let steps = relative().even_steps(4).unwrap();
+        let steps = relative().first_even_steps(4, 4).unwrap();
         assert_eq!(steps.iter().map(|s| s.time).collect::<Vec<_>>(), [0.125, 0.375, 0.625, 0.875]);
-        let back = relative().reversed().even_steps(4).unwrap();
+        let back = relative().reversed().first_even_steps(4, 4).unwrap();
         let there = back[1].pose.apply(steps[1].pose.apply([0.2, 0.3, -0.1]));
         assert!(norm(sub(there, [0.2, 0.3, -0.1])) < 1e-14);
-        assert!(relative().even_steps(0).unwrap_err().to_string().contains("0 steps"));
+        assert!(relative().first_even_steps(0, 0).unwrap_err().to_string().contains("0 steps"));
     }
 }

@@ -106,9 +106,15 @@ fn graphs_of_the_measure_keep_to_their_bytes() {
     let by_visits = 4 * correlation.n_visits() as u64;
     // Visits alone are more; with them there is room for some rows.
     for most in [by_visits / 2, by_visits + whole.bytes() as u64 / 2] {
-        let error = correlation.conflicts(most, &workers, silent).unwrap_err();
-        let Error::OutOfMemory { bytes, limit: Some(limit), .. } = error else { panic!("{error}") };
-        assert!(limit <= u128::from(most) && bytes > limit, "{bytes} {limit}");
+        let mut begun = false;
+        let mut listen = |_: f64, _: &str| {
+            begun = true;
+            ControlFlow::Continue(())
+        };
+        let error = correlation.conflicts(most, &workers, &mut Progress::new(&mut listen)).unwrap_err();
+        let Error::OutOfMemory { bytes, limit: Some(limit), what } = error else { panic!("{error}") };
+        assert!(!begun && limit <= u128::from(most) && bytes > limit, "{bytes} {limit}");
+        assert!(what.contains("would fit with cells about 1."), "{what}");
     }
     let again = correlation.conflicts(2 * (by_visits + whole.bytes() as u64), &workers, silent).unwrap();
     assert_eq!(again.n_edges(), whole.n_edges());

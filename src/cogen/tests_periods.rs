@@ -30,6 +30,57 @@ fn graph(parts: &[Part<2>; 2], relative: &Relative<2>, n: usize) -> Conflicts {
     Conflicts::of_overlap([&parts[0], &parts[1]], relative, &options, &mut Progress::silent()).unwrap()
 }
 
+/// A screw of six turns by two cells each through a block that is at a pose of its own, and the same of which no one knows.
+#[test]
+fn one_turn_of_a_screw_has_the_measures_of_all() {
+    let eps = [0.05, 0.025];
+    let block = Part::whole(Grid::new([-0.21, -0.22, -0.05], eps[0], [9, 9, 5]).unwrap()).unwrap();
+    let bolt = Part::of_centers(Grid::new([-0.13, -0.12, -0.7031], eps[1], [11, 10, 26]).unwrap(), |x| {
+        x[0] > -0.1 || x[2] < -0.3
+    })
+    .unwrap();
+    let screw = |turns: f64, lead: f64| {
+        Motion::<3>::screw([0.01, 0.02, 0.0], [0.0, 0.0, 1.0], lead, Law::even(turns * TAU)).unwrap()
+    };
+    let pose = Motion::at_pose(screw(1.0, 0.3).at(0.37));
+    let workers = Workers::new(2).unwrap();
+    for (parts, lead) in [([&block, &bolt], 0.1 / TAU), ([&bolt, &block], -0.1 / TAU)] {
+        let known = Relative { from: pose.clone(), of: pose.times(&screw(6.0, lead)).unwrap() };
+        let halves = screw(3.0, lead).times(&screw(3.0, lead)).unwrap();
+        let unknown = Relative { from: pose.clone(), of: pose.times(&halves).unwrap() };
+        for relatives in [[known.clone(), unknown.clone()], [known.reversed(), unknown.reversed()]] {
+            let parts = if relatives[0].of.n_periods() == 0 { [parts[1], parts[0]] } else { parts };
+            let make = |r: &Relative<3>| Correlation::new(parts, r, 606, 1 << 30, &workers, &mut Progress::silent());
+            let [one, all] = relatives.each_ref().map(|r| make(r).unwrap());
+            let [stored, whole] = [&one, &all].map(Correlation::n_visits);
+            assert!(stored * 3 < whole * 2 && whole > 10_000, "{stored} {whole}");
+            let rho = parts.map(|p| {
+                (0..p.grid().n_cells()).map(|i| if p.allowed().has(i) { f64::from(i as u32 % 4) / 3.0 } else { 0.0 })
+            });
+            let rho = rho.map(|values| values.collect::<Vec<_>>());
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * (1.0 + b.abs());
+            let [m, w] = [&one, &all].map(|c| c.measures([&rho[0], &rho[1]], &workers).unwrap());
+            assert!(near(m.g21, w.g21) && near(m.g12, w.g12) && w.g12 > 1e-6, "{m:?} {w:?}");
+            for side in [Side::First, Side::Second] {
+                let n = one.n_cells(side);
+                let (mut a, mut b) = (vec![0.0; n], vec![0.0; n]);
+                one.local(side, &rho[side.other().index()], &mut a, &workers);
+                all.local(side, &rho[side.other().index()], &mut b, &workers);
+                assert!(a.iter().zip(&b).all(|(a, b)| near(*a, *b)));
+            }
+            let [a, b] = [&one, &all].map(|c| c.conflicts(1 << 30, &workers, &mut Progress::silent()).unwrap());
+            assert!(a.n_edges() > 1000 && a.n_edges() == b.n_edges());
+        }
+    }
+    // Where a turn does not slide by whole cells all are stored.
+    let turns = |lead: f64| {
+        let r = Relative { from: Motion::fixed(), of: screw(6.0, lead) };
+        Correlation::new([&block, &bolt], &r, 606, 1 << 30, &workers, &mut Progress::silent()).unwrap().n_visits()
+    };
+    let (alike, other) = (turns(0.1 / TAU), turns(0.0971 / TAU));
+    assert!(alike * 3 < other * 2, "{alike} {other}");
+}
+
 #[test]
 fn one_period_has_the_conflicts_of_the_whole() {
     let (parts, [known, unknown]) = cam();

@@ -9,6 +9,7 @@ use super::foresight::{Estimate, Limit};
 use super::grid::Grid;
 use super::parcels::{BLOCK, Room, each_block, n_blocks};
 use super::part::Part;
+use super::pitch::{NONE, Wide};
 use super::steps::Step;
 use crate::error::{try_reserve, try_with_capacity};
 use crate::geometry::matrix::{Matrix, applied, scaled};
@@ -24,7 +25,9 @@ const JUMP: u8 = 255;
 /// Visits of the centres of one part's cells in the cells of the other.
 #[derive(Debug)]
 pub struct Trajectories<const D: usize> {
+    /// Of the first turn, where there are several.
     blocks: Vec<Block>,
+    wide: Wide<D>,
     n_rows: usize,
     n_visits: usize,
     /// What is added to a cell's number by each code.
@@ -45,36 +48,37 @@ struct Placing<const D: usize> {
 }
 
 impl<const D: usize> Trajectories<D> {
-    /// Of the centres of the cells that `moving` may have in those that `still` may have, at the middle of each of `steps`; the error tells
-    /// when that takes more than the limit.
+    /// Of the centres of the cells that `moving` may have in the cells of `wide`, at the middle of each of `steps`; the error tells when that takes
+    /// more than the limit.
     pub fn new(
         steps: &[Step<D>],
-        still: &Part<D>,
+        wide: Wide<D>,
         moving: &Part<D>,
         limit: Limit,
         workers: &Workers,
         progress: &mut Progress<'_>,
     ) -> Result<Self> {
-        let places = places(steps, still.grid())?;
+        let places = places(steps, &wide.grid)?;
         let n_rows = moving.grid().n_cells();
         let mut blocks: Vec<Block> = try_with_capacity(n_blocks(n_rows), "trajectories")?;
         let mut room = Room::new(limit, n_rows);
-        let make = |rows| dispatch(Trace { places: &places, still, moving, rows });
+        let make = |rows| dispatch(Trace { places: &places, wide: &wide, moving, rows });
         each_block(n_rows, workers, progress, "trajectories", make, |block| {
             room.take(block.bytes())?;
             blocks.push(block);
             Ok(())
         })?;
         let n_visits = blocks.iter().map(|b| b.n_visits).sum();
-        Ok(Trajectories { blocks, n_rows, n_visits, moves: moves(still.grid()) })
+        let moves = moves(&wide.grid);
+        Ok(Trajectories { blocks, wide, n_rows, n_visits, moves })
     }
 
     /// What they will take.
-    pub fn estimate(steps: &[Step<D>], still: &Part<D>, moving: &Part<D>, workers: &Workers) -> Result<Estimate> {
-        let places = places(steps, still.grid())?;
-        let make = |rows| dispatch(Trace { places: &places, still, moving, rows });
+    pub fn estimate(steps: &[Step<D>], wide: &Wide<D>, moving: &Part<D>, workers: &Workers) -> Result<Estimate> {
+        let places = places(steps, &wide.grid)?;
+        let make = |rows| dispatch(Trace { places: &places, wide, moving, rows });
         let codes = Estimate::of(moving.allowed(), workers, |i| Ok(make(i..i + 1)?.codes.len()))?;
-        Ok(codes.unwrap_or_default().and(4.0 * moving.grid().n_cells() as f64))
+        Ok(codes.unwrap_or_default().and(4.0 * moving.grid().n_cells() as f64 + wide.bytes() as f64))
     }
 
     /// Centres.
@@ -82,19 +86,34 @@ impl<const D: usize> Trajectories<D> {
         self.n_rows
     }
 
-    /// Visits of all.
+    /// Visits of all that are stored.
     pub fn n_visits(&self) -> usize {
         self.n_visits
     }
 
     /// Bytes that they take.
     pub fn bytes(&self) -> usize {
-        self.blocks.iter().map(Block::bytes).sum()
+        self.wide.bytes() + self.blocks.iter().map(Block::bytes).sum::<usize>()
     }
 
     /// Calls `visit` with cell and number of steps for each visit of centre `row`, in the order of time.
     #[inline]
     pub fn each(&self, row: usize, mut visit: impl FnMut(usize, u32)) {
+        if self.wide.numbers.is_empty() {
+            return self.each_stored(row, visit);
+        }
+        for own in self.wide.numbers.chunks_exact(self.wide.grid.n_cells()) {
+            self.each_stored(row, |cell, stay| {
+                if own[cell] != NONE {
+                    visit(own[cell] as usize, stay);
+                }
+            });
+        }
+    }
+
+    /// The same of what is stored.
+    #[inline]
+    fn each_stored(&self, row: usize, mut visit: impl FnMut(usize, u32)) {
         let (block, k) = (&self.blocks[row / BLOCK], row % BLOCK);
         let from = if k == 0 { 0 } else { block.ends[k - 1] };
         let mut codes = block.codes[from as usize..block.ends[k] as usize].iter();
@@ -147,7 +166,7 @@ fn moves<const D: usize>(grid: &Grid<D>) -> [u32; 27] {
 /// The visits of some rows.
 struct Trace<'a, const D: usize> {
     places: &'a [Placing<D>],
-    still: &'a Part<D>,
+    wide: &'a Wide<D>,
     moving: &'a Part<D>,
     rows: std::ops::Range<usize>,
 }
@@ -176,9 +195,9 @@ fn too_long() -> Error {
 impl<const D: usize> Trace<'_, D> {
     #[inline(always)]
     fn trace(&self, x: [f64; D], block: &mut Block) -> Result<()> {
-        let counts = self.still.grid().counts();
+        let counts = self.wide.grid.counts();
         let limits = counts.map(|n| n as f64);
-        let allowed: &Bits = self.still.allowed();
+        let allowed: &Bits = &self.wide.seen;
         // Where it is, NOWHERE outside; since how many steps; the cell that is coded last and its place.
         const NOWHERE: usize = usize::MAX;
         let (mut at, mut stay) = (NOWHERE, 0_usize);
